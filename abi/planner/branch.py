@@ -17,7 +17,7 @@ from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.planner.plan import Plan
 from abi.planner.planning_problem import PlanningProblem
-from abi.planner.stage_results import AnyFit, CurveName, TimedMotion
+from abi.planner.stage_results import AnyFit, CurveName
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
 from abi.search.taut.taut_path import TautPath
@@ -82,8 +82,8 @@ class Branch(ABC):
         """Name of the curve that the arm follows."""
 
     @abstractmethod
-    def motion(self, followed: AnyFit) -> TimedMotion:
-        """Stage 6: the motion of the arm along that curve."""
+    def motion(self, followed: AnyFit) -> Plan:
+        """Stage 6: the plan with the motion of the arm along that curve, and how clear it is."""
 
     def find_path(self) -> float:
         """Stages 1 to 3: the free mesh, the graph and the shortest path; returns its cost.
@@ -133,13 +133,11 @@ class Branch(ABC):
         self.plan = replace(self.plan, followed=followed)
         return bspline if followed == "bspline" else quadratic
 
-    def move_arm(self, followed: AnyFit) -> TimedMotion:
-        """Stage 6: the arm's motion along the curve that it follows.
+    def move_arm(self, followed: AnyFit) -> Plan:
+        """Stage 6: the plan with the arm's motion along the curve that it follows.
 
         Raises:
             StageError: there is none on this branch.
         """
-        moved = self.motion(followed)
-        profile, motion, clearance = moved
-        self.plan = replace(self.plan, profile=profile, motion=motion, arm_clearance=clearance)
-        return moved
+        self.plan = self.motion(followed)
+        return self.plan

@@ -21,11 +21,12 @@ from abi.arm_planning.joint_search.joint_motion import passage_of, proven_motion
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.joint_spline import JointSpline, spline_near
 from abi.arm_planning.joint_search.search_joints import JointSearch, JointSearchEffort
+from abi.arm_planning.motion.arm_clearance import is_clear
 from abi.arm_planning.motion.urdf_motion import ChainJointPath
 from abi.arm_planning.motion_law import motion_law
 from abi.arrays import FloatArray
+from abi.planner.plan import Plan
 from abi.planner.planning_problem import sample_count
-from abi.planner.stage_results import TimedMotion
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import Scene
 from abi.scene.settings import MotionSettings
@@ -49,8 +50,8 @@ def move_holding(
     scene: Scene,
     ends: tuple[FloatArray, FloatArray],
     effort: JointSearchEffort,
-) -> tuple[JointSearch, TimedMotion]:
-    """Find a motion that keeps a direction during a part of it, all of it proven clear.
+) -> Plan:
+    """Plan of a motion alone that keeps a direction during a part of it, all of it proven clear.
 
     Args:
         hold: the direction, and when it is kept.
@@ -82,8 +83,8 @@ def _between(
     scene: Scene,
     pair: tuple[FloatArray, FloatArray],
     efforts: Sequence[JointSearchEffort],
-) -> tuple[JointSearch, TimedMotion] | None:
-    """A motion between a start and a goal, (1, n) each; None where no effort leads to one."""
+) -> Plan | None:
+    """Plan of a motion from a start to a goal, (1, n) each; None where no effort leads to one."""
     asked, space = (hold.begin, hold.end), held.space
     if (pair[0] == pair[1]).all():
         raise NoJointMotion("same")
@@ -101,9 +102,9 @@ def _between(
             passage = _passage(inner, space.arm, factor, spline)
             lacks = _shorter_by(hold, _part_of(inner, passage, scene.motion))
             if lacks is None:
-                moved = _moved(hold, space, scene, (search.path, inner), factor)
+                moved = _moved(hold, space, scene, (search, inner), factor)
                 if moved is not None:
-                    return search, moved
+                    return moved
                 break
             if lacks == short:  # the law is as fast as the joints' limits let it, whatever the way
                 break
@@ -169,26 +170,32 @@ def _moved(
     hold: HeldDirection,
     space: JointSpace,
     scene: Scene,
-    found: tuple[FloatArray, FloatArray],
+    found: tuple[JointSearch, FloatArray],
     factor: float,
-) -> TimedMotion | None:
-    """A motion along a smooth curve near a path; None if none is clear and keeps the direction.
+) -> Plan | None:
+    """Plan of a motion along a smooth curve near a path.
 
-    ``found`` is the path (k, n), and the joints where the part of it begins and ends (2, n).
+    ``found`` is the search that found the path, and the joints where the part of it begins and ends
+    (2, n).
+
+    Returns:
+        None if no motion is clear and keeps the direction.
     """
-    path, inner = found
+    search, inner = found
+    assert search.path is not None
     way = partial(_passage, inner, space.arm, factor)
     lack = partial(_lack, hold, scene.motion, way)
-    spline = spline_near(space, path, lack=lack)
+    spline = spline_near(space, search.path, lack=lack)
     if spline is None:
         return None
     passage = way(spline)
     profile = motion_law(passage, scene.motion)
     count = sample_count(profile, scene.motion)
     around = space.collision_world, space.margin
-    moved = TimedMotion(profile, *proven_motion(passage, profile, count, *around))
-    holds = hold.fault(moved.motion.positions) is None
-    return moved if moved.is_clear and holds else None
+    motion, clearance = proven_motion(passage, profile, count, *around)
+    if not is_clear(motion, clearance) or hold.fault(motion.positions) is not None:
+        return None
+    return Plan(scene, profile=profile, motion=motion, arm_clearance=clearance, joint_search=search)
 
 
 def _lack(

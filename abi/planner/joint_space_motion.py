@@ -27,6 +27,7 @@ from abi.arm_planning.joint_search.search_joints import (
     search_joints,
     shorter_path,
 )
+from abi.arm_planning.motion.arm_clearance import is_clear
 from abi.arm_planning.motion.urdf_motion import ChainJointPath
 from abi.arm_planning.motion_law import motion_law
 from abi.arm_planning.world.collision_world import CollisionWorld
@@ -34,9 +35,9 @@ from abi.arrays import FloatArray
 from abi.curves.clearance.certificate import Refutation
 from abi.planner.end_poses import clear_end_poses
 from abi.planner.held_direction_motion import move_holding
+from abi.planner.plan import Plan
 from abi.planner.planning_problem import sample_count
 from abi.planner.remembered_call import RememberedCall
-from abi.planner.stage_results import TimedMotion
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.arm_end import ENDS
 from abi.scene.arm_settings import ArmSettings
@@ -84,7 +85,7 @@ class JointSpaceMotions:
         collision_world: CollisionWorld,
         effort: JointSearchEffort,
         hasty: bool = False,
-    ) -> tuple[JointSearch, TimedMotion]:
+    ) -> Plan:
         """Find a motion in the space of an arm's joints, all of it proven clear.
 
         Args:
@@ -95,7 +96,7 @@ class JointSpaceMotions:
             hasty: whether the last path will do, made shorter, if it is clear.
 
         Returns:
-            What was found there, and the motion along a smooth curve near its path.
+            A plan of what was found there and the motion along a smooth curve near its path alone.
 
         Raises:
             NoJointMotion: none was found; tells why.
@@ -120,10 +121,12 @@ class JointSpaceMotions:
         profile = self._profile(passage, scene.motion)
         count = sample_count(profile, scene.motion)
         around = collision_world, scene.arm.clearance
-        moved = TimedMotion(profile, *proven_motion(passage, profile, count, *around))
-        if not moved.is_clear:
+        motion, clearance = proven_motion(passage, profile, count, *around)
+        if not is_clear(motion, clearance):
             raise NoJointMotion("curve")
-        return search, moved
+        return Plan(
+            scene, profile=profile, motion=motion, arm_clearance=clearance, joint_search=search
+        )
 
     def _search(
         self,

@@ -24,7 +24,7 @@ from abi.planner.foreseen import kernels_foreseen
 from abi.planner.joint_space_motion import THOROUGH, asks_for_joints, may_search_joints
 from abi.planner.plan import Plan
 from abi.planner.slow_motion import refuse_slow
-from abi.planner.stage_results import AnyFit, TimedMotion
+from abi.planner.stage_results import AnyFit
 from abi.planner.tool_branch import ToolBranch
 from abi.scene.arm_end import ENDS
 from abi.scene.scene import Scene, require_scene
@@ -157,11 +157,12 @@ class Planner:
             return self._through_joints(tool)
         curve = self._curve(tool)
         if not scene.arm.avoid:
-            if (error := tool.move_arm(curve).motion.error) is not None:
-                raise error
-            return tool.plan
+            moved = tool.move_arm(curve)
+            if moved.motion is not None and moved.motion.error is not None:
+                raise moved.motion.error
+            return moved
         refuted = tool.is_refuted(curve)
-        if not refuted and tool.move_arm(curve).is_clear:
+        if not refuted and tool.move_arm(curve).is_arm_clear:
             return tool.plan
         in_joints: NoJointMotion | None = None
         if tool.problem.hasty and self._in_joints and may_search_joints(scene.arm):
@@ -187,8 +188,9 @@ class Planner:
         why: StageError = _with_contact(on_mesh, moved, scene)
         # where it leaves its pose the tool's own curve says less than why no pose will do
         held_up = on_mesh.where in ENDS and on_mesh.obstacle is not None
-        if moved.motion.error is not None and (on_mesh.has_elbow or not held_up):
-            why = moved.motion.error
+        reach = None if moved.motion is None else moved.motion.error
+        if reach is not None and (on_mesh.has_elbow or not held_up):
+            why = reach
         if in_joints is not None and isinstance(why, ArmNotClear) and in_joints.where not in ENDS:
             why = why.nor_in_joints(in_joints)
         raise why
@@ -209,15 +211,15 @@ class Planner:
         Raises:
             NoJointMotion: there is none.
         """
-        search, (profile, motion, clearance) = tool.joint_motion(self._effort)
+        found = tool.joint_motion(self._effort)
         return replace(
             tool.plan,
-            profile=profile,
-            motion=motion,
-            arm_clearance=clearance,
+            profile=found.profile,
+            motion=found.motion,
+            arm_clearance=found.arm_clearance,
             followed=None,
             tool_only=tool.plan.followed_curve,
-            joint_search=search,
+            joint_search=found.joint_search,
         )
 
     def _avoid(self, tool: ToolBranch) -> Plan:
@@ -258,9 +260,9 @@ def _wait_for_compiler(scene: Scene) -> None:
         compiling.compile()
 
 
-def _with_contact(fault: ArmNotClear, moved: TimedMotion, scene: Scene) -> ArmNotClear:
+def _with_contact(fault: ArmNotClear, moved: Plan, scene: Scene) -> ArmNotClear:
     """The fault, with link and obstacle where it names none: those of the tool's own curve."""
-    contacts = moved.clearance.contacts
+    contacts = () if moved.arm_clearance is None else moved.arm_clearance.contacts
     if fault.where in ("start", "goal") or not contacts:
         return fault
     sentence = contact_sentence(contacts[0], scene.unit)

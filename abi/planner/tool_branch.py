@@ -5,12 +5,13 @@ from __future__ import annotations
 import operator
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from abi import progress
 from abi.arm_planning.branch.arm_branch import JointPath
-from abi.arm_planning.joint_search.search_joints import JointSearch, JointSearchEffort
+from abi.arm_planning.joint_search.search_joints import JointSearchEffort
 from abi.arm_planning.models import model_of
 from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.arm_planning.motion.trajectory import ArmMotion
@@ -29,7 +30,7 @@ from abi.planner.joint_space_motion import JointSpaceMotions
 from abi.planner.plan import Plan
 from abi.planner.planning_problem import PlanningProblem, sample_count
 from abi.planner.remembered_call import RememberedCall
-from abi.planner.stage_results import AnyFit, CurveName, TimedMotion
+from abi.planner.stage_results import AnyFit, CurveName
 from abi.scene.scene import Scene
 from abi.scene.settings import MotionSettings
 from abi.search.build_graph import build_graph
@@ -217,24 +218,24 @@ class ToolBranch(Branch):
         for stage in stages:
             stage.ms = 0.0
 
-    def motion(self, followed: AnyFit) -> TimedMotion:
-        """Stage 6: the motion on the last joint_path that is clear, or else on the first."""
+    def motion(self, followed: AnyFit) -> Plan:
+        """Stage 6: the motion on the last joint path that is clear, or else on the first."""
         joint_paths = self._paths_along(followed)
         moved = [
             self._moved(k, joint_path, self._profile(joint_paths, k))
             for k, joint_path in enumerate(joint_paths)
         ]
-        return next((one for one in reversed(moved) if one.is_clear), moved[0])
+        return next((one for one in reversed(moved) if one.is_arm_clear), moved[0])
 
-    def _moved(self, number: int, joint_path: JointPath, profile: PathProfile) -> TimedMotion:
-        """The motion on one joint_path, with the memory of its number."""
+    def _moved(self, number: int, joint_path: JointPath, profile: PathProfile) -> Plan:
+        """The plan with the motion on one joint path, with the memory of its number."""
         scene = self.problem.scene
         count = sample_count(profile, scene.motion)
         motion = self._motions[number](joint_path.motion, profile, count)
         clearance = self._arm_clearances[number](
             joint_path.clearance, motion, self.collision_world, scene.arm.clearance
         )
-        return TimedMotion(profile, motion, clearance)
+        return replace(self.plan, profile=profile, motion=motion, arm_clearance=clearance)
 
     @property
     def collision_world(self) -> CollisionWorld:
@@ -253,8 +254,8 @@ class ToolBranch(Branch):
             *(self.collision_world, problem.hasty),
         )
 
-    def joint_motion(self, effort: JointSearchEffort) -> tuple[JointSearch, TimedMotion]:
-        """A motion that is sought in the space of the joints instead.
+    def joint_motion(self, effort: JointSearchEffort) -> Plan:
+        """The plan of a motion that is sought in the space of the joints instead, and nothing else.
 
         Raises:
             NoJointMotion: there is none.

@@ -26,7 +26,7 @@ from abi.errors import NoPath
 from abi.planner.branch import Branch
 from abi.planner.plan import Plan
 from abi.planner.planning_problem import PlanningProblem, sample_count
-from abi.planner.stage_results import AnyFit, CurveName, TimedMotion
+from abi.planner.stage_results import AnyFit, CurveName
 from abi.robot.any_arm import AnyArm
 from abi.scene.arm_end import ENDS
 from abi.search.build_graph import build_graph
@@ -185,8 +185,8 @@ class WholeArmBranch(Branch):
         is_clear = quadratic.holds and self._is_clear_along(quadratic.curve)
         return "quadratic" if is_clear else "bspline"
 
-    def motion(self, followed: AnyFit) -> TimedMotion:
-        """Stage 6: the motion along the curve.
+    def motion(self, followed: AnyFit) -> Plan:
+        """Stage 6: the plan with the motion along the curve.
 
         Raises:
             ArmNotClear: the arm is not proven clear along it.
@@ -196,8 +196,8 @@ class WholeArmBranch(Branch):
         profile = _profile(joint_path, scene.motion)
         motion = joint_path.motion(profile, sample_count(profile, scene.motion))
         clearance = joint_path.clearance(motion, self.collision_world, scene.arm.clearance)
-        moved = TimedMotion(profile, motion, clearance)
-        if not moved.is_clear:
+        moved = replace(self.plan, profile=profile, motion=motion, arm_clearance=clearance)
+        if not moved.is_arm_clear:
             raise self._not_clear("curve")
         return moved
 
