@@ -11,7 +11,6 @@ import numpy as np
 from abi import arguments
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.motion.arm_clearance import Contact
-from abi.arm_planning.world.mount import beneath
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.certification import exact_contact
 from abi.certification.clearance_proof import (
@@ -141,9 +140,8 @@ def _standing_in(problem: MotionProblem, scene: Scene) -> list[tuple[str, int]]:
     obstacles = problem.around.obstacles
     if not obstacles.obstacles:
         return []
-    settings, metres = scene.arm, problem.metres
-    under = beneath(np.array(settings.base), settings.base_wxyz, metres, obstacles)
-    may_touch = {(one, other) for one, other in settings.allowed if not isinstance(other, str)}
+    metres = problem.metres
+    may_touch = {(one, other) for one, other in scene.arm.allowed if not isinstance(other, str)}
     low, high = obstacles.bounds
     found = []
     for carried in problem.chain.carried:
@@ -156,7 +154,7 @@ def _standing_in(problem: MotionProblem, scene: Scene) -> list[tuple[str, int]]:
         near = (low <= (ends + radii[:, None]).max(axis=(0, 1))).all(axis=1)
         near &= (high >= (ends - radii[:, None]).min(axis=(0, 1))).all(axis=1)
         for number in np.flatnonzero(near).tolist():
-            is_let = number in under or (carried.link, number) in may_touch
+            is_let = number in problem.under or (carried.link, number) in may_touch
             if not is_let and exact_contact.touches(problem, 0.0, carried.link, number):
                 found.append((carried.link, number))
     return found

@@ -28,6 +28,7 @@ import numpy as np
 from abi import arguments
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.world.collision_world import FLOOR, CollisionWorld
+from abi.arm_planning.world.mount import beneath
 from abi.arm_planning.world.row_table import RowTable, own_world
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.certification.convex_bodies import body_pairs, hulls_apart, robot_bodies
@@ -40,7 +41,7 @@ from abi.obstacles.pose import METRES
 from abi.robot.bodies.allowed_contacts import AllowedContact
 from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.floor_contacts import floor_notes, on_floor
-from abi.robot.bodies.held_links import held_notes
+from abi.robot.bodies.held_links import held_notes, mount_notes
 from abi.robot.bodies.link_bodies import Body
 from abi.robot.bodies.link_solids import LinkSolids
 from abi.robot.kinematics.chain import Chain
@@ -61,6 +62,7 @@ class MotionProblem(ShortRepr):
         chain: its joints, with limits that hold wherever it goes, [m].
         bodies: the b bodies, those that stand still first, [m].
         around: obstacles and the floor.
+        under: numbers of the obstacles that the robot stands on.
         metres: one [unit] in metres.
     """
 
@@ -68,6 +70,7 @@ class MotionProblem(ShortRepr):
     chain: Chain
     bodies: tuple[Body, ...]
     around: CollisionWorld
+    under: tuple[int, ...]
     metres: float
 
     @cached_property
@@ -106,7 +109,12 @@ class MotionProblem(ShortRepr):
         """Sentences on links that are below the floor, or held in others."""
         standing = [one.link for one in self.allowed if one.other == "floor"]
         floor = self.around.floor * self.metres
-        return (*floor_notes(self.chain, standing, floor), *held_notes(self.chain, floor))
+        mounts = {number: self.around.obstacles[number] for number in self.under}
+        return (
+            *floor_notes(self.chain, standing, floor),
+            *held_notes(self.chain, floor),
+            *mount_notes(self.chain, mounts, self.metres),
+        )
 
     def named(self, number: int) -> int | str:
         """Number of an obstacle, or name of another link or of the floor."""
@@ -142,7 +150,9 @@ def problem_of(
     # a motion may pass limits; levers hold where it goes
     chain = replace(motion.chain, limits=read_only(np.stack([low, high], axis=1)))
     bodies = robot_bodies(chain, closely)
-    return MotionProblem(motion, chain, bodies, _around(chain, bodies, scene), METRES[scene.unit])
+    around, metres = _around(chain, bodies, scene), METRES[scene.unit]
+    under = beneath(np.array(scene.arm.base), scene.arm.base_wxyz, metres, around.obstacles)
+    return MotionProblem(motion, chain, bodies, around, under, metres)
 
 
 def separation(

@@ -30,7 +30,7 @@ from abi.planner.joined_legs import begins, joined_violations
 from abi.planner.stage_results import AnyFit, CurveName
 from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.floor_contacts import floor_notes
-from abi.robot.bodies.held_links import held_notes
+from abi.robot.bodies.held_links import held_notes, mount_notes
 from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
@@ -300,8 +300,17 @@ class Plan(ShortRepr):
         lowest, metres = self.scene.workspace.min[2], METRES[self.scene.unit]
         standing = [one.link for one in self.arm_clearance.allowed if one.other == "floor"]
         floor = min(self.scene.arm.base[2], lowest) * metres
-        chain, allowed = self.arm.chain, self.scene.arm.allowed
-        return (*floor_notes(chain, standing, floor), *held_notes(chain, floor, allowed))
+        chain, asked = self.arm.chain, self.scene.arm.allowed
+        mounts = {
+            one.other: self.scene.obstacles[one.other]
+            for one in self.arm_clearance.allowed
+            if one.reason == "mount" and isinstance(one.other, int)
+        }
+        return (
+            *floor_notes(chain, standing, floor),
+            *held_notes(chain, floor, asked),
+            *mount_notes(chain, mounts, metres, asked),
+        )
 
 
 def require_plan(value: object) -> None:

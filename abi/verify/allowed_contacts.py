@@ -200,7 +200,7 @@ def may_touch_floor(link: str, scene: Scene, chain: ExactChain, bodies: Bodies) 
     if (abs(axis[2]) if chain.joints[0].kind == "prismatic" else np.hypot(*axis[:2])) <= _UPRIGHT:
         return True
     floor = min(scene.arm.base[2], scene.workspace.min[2])
-    low, high = (np.array(one) for one in _usual_range(chain))
+    low, high = (np.array(one) for one in usual_range(chain))
     coordinate = chain.coordinates.index(chain.joints[0].coordinate)
     row = np.clip(0.0, low, high)
     closest = [piece[-1] for piece in bodies[link]]
@@ -231,22 +231,29 @@ def _check_touching(
     links = {*itertools.chain(*pairs)}
     if bare := sorted(name for name in links if not robot.links[name].shapes):
         raise Fault(f"{bare[0]} has no shape, and touches nothing")
-    triangles = {name: _in_frame(name, robot, chain) for name in links}
+    triangles = {name: in_frame(name, robot, chain) for name in links}
     for row in itertools.chain(rows, _random_rows(chain)):
-        frames = chain.place(row)
-        placed = {}
-        for name, one in triangles.items():
-            turn, origin = np.eye(3), np.zeros(3)
-            if chain.frames[name] >= 0:
-                frame = frames[chain.frames[name]]
-                turn, origin = (part.astype(float) / 2.0**200 for part in frame[:2])
-            placed[name] = one.placed(turn, origin)
+        placed = placed_at(triangles, chain, row)
         for first, second in pairs:
             if not touch(placed[first], placed[second]):
                 raise Fault(f"{first} and {second}, said to touch always, are apart in some pose")
 
 
-def _in_frame(name: str, robot: Robot, chain: ExactChain) -> LinkTriangles:
+def placed_at(
+    triangles: Mapping[str, LinkTriangles], chain: ExactChain, row: Row
+) -> dict[str, LinkTriangles]:
+    """Triangles of links, given in the frames that move them, where these are at coordinates."""
+    frames, placed = chain.place(row), {}
+    for name, one in triangles.items():
+        turn, origin = np.eye(3), np.zeros(3)
+        if chain.frames[name] >= 0:
+            frame = frames[chain.frames[name]]
+            turn, origin = (part.astype(float) / 2.0**200 for part in frame[:2])
+        placed[name] = one.placed(turn, origin)
+    return placed
+
+
+def in_frame(name: str, robot: Robot, chain: ExactChain) -> LinkTriangles:
     """Triangles of a link in the frame that moves it, [unit]."""
     pose = chain.places[name].astype(np.float64)
     turn, origin = pose[:3, :3], pose[:3, 3]
@@ -255,7 +262,7 @@ def _in_frame(name: str, robot: Robot, chain: ExactChain) -> LinkTriangles:
 
 def _random_rows(chain: ExactChain) -> Iterator[list[Fraction]]:
     """Random coordinates, and random ones at each end of the range of each of them."""
-    low, high = (np.array(one) for one in _usual_range(chain))
+    low, high = (np.array(one) for one in usual_range(chain))
     random = np.random.default_rng(0)
     rows = random.uniform(low, high, (_POSES, len(low)))
     for column, ends in enumerate(zip(low, high, strict=True)):
@@ -265,7 +272,7 @@ def _random_rows(chain: ExactChain) -> Iterator[list[Fraction]]:
     return ([Fraction(number) for number in row] for row in rows.tolist())
 
 
-def _usual_range(chain: ExactChain) -> tuple[list[float], list[float]]:
+def usual_range(chain: ExactChain) -> tuple[list[float], list[float]]:
     """Lowest and highest positions of random poses: of a turning joint one turn near that about 0.
 
     It is all of its limits where what follows it is not as before after a turn.

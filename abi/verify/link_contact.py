@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.robot.urdf.link import Link, LinkShape
+from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.solids import ExactSolid, in_body, vector
 
 _NEAR = 1e-6
 """Distance that counts as none, over the size of both links."""
@@ -71,6 +73,26 @@ def link_triangles(link: Link, scale: float) -> LinkTriangles:
     return LinkTriangles(np.concatenate(parts), np.concatenate(radii), numbers, firsts)
 
 
+def solid_triangles(solid: ExactSolid | ExactMesh) -> LinkTriangles:
+    """Triangles of an obstacle, world, [unit]."""
+    axes = [in_body(vector(axis), solid.wxyz) for axis in np.eye(3).tolist()]
+    turn, radius = np.array(axes, dtype=np.float64), 0.0
+    if isinstance(solid, ExactMesh):
+        triangles = solid.factor * solid.vertices[solid.faces]
+    else:
+        *half, disc, radius = map(float, (*solid.half, solid.disc, solid.ball))
+        if radius:  # around a point or a segment
+            triangles = np.array([[[0, 0, -half[2]], [0, 0, half[2]], [0, 0, half[2]]]])
+        elif disc:
+            triangles = _prism(_circle(disc), half[2])
+        else:
+            triangles = _prism(_rectangle(half[0], half[1]), half[2])
+    shells = _shells(triangles)
+    firsts = np.unique(shells, return_index=True)[1].astype(np.int32)
+    placed = triangles @ turn.T + np.array(solid.position, dtype=np.float64)
+    return LinkTriangles(placed, np.full(len(placed), radius), shells, firsts)
+
+
 def _shells(triangles: FloatArray) -> IntArray:
     """Number of the connected surface that each of triangles (n, 3, 3) is part of, (n,)."""
     _, ids = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
@@ -81,22 +103,37 @@ def _shells(triangles: FloatArray) -> IntArray:
     return np.asarray(np.unique(parts[sides[:, 0]], return_inverse=True)[1])
 
 
-def touch(first: LinkTriangles, second: LinkTriangles) -> bool:
-    """Check whether two links touch, up to a millionth of their size."""
+def touch(first: LinkTriangles, second: LinkTriangles, near: float = _NEAR) -> bool:
+    """Check whether two links touch, or are as near as a share of their size.
+
+    Where that is less than 0, they have to be as deep in each other.
+    """
     if _any_inside(first, second) or _any_inside(second, first):
         return True
-    return any(meet(*few).any() for few in near_triangles(first, second, 0.0))
+    return any(meet(*few).any() for few in near_triangles(first, second, 0.0, near))
+
+
+def boxes_overlap(first: LinkTriangles, second: LinkTriangles) -> bool:
+    """Check whether the boxes around two links overlap."""
+    (low, high), (others_low, others_high) = (
+        (
+            (one.corners.min(axis=1) - one.radii[:, None]).min(axis=0),
+            (one.corners.max(axis=1) + one.radii[:, None]).max(axis=0),
+        )
+        for one in (first, second)
+    )
+    return bool((low <= others_high).all() and (others_low <= high).all())
 
 
 def near_triangles(
-    first: LinkTriangles, second: LinkTriangles, within: float
+    first: LinkTriangles, second: LinkTriangles, within: float, near: float = _NEAR
 ) -> Iterator[TrianglePairs]:
-    """Triangles of two links that may be that near, up to a millionth of the links' size.
+    """Triangles of two links that may be that near, and a share of the links' size nearer.
 
     They come some thousand at a time.
     """
     every = np.concatenate([first.corners.reshape(-1, 3), second.corners.reshape(-1, 3)])
-    near = within + _NEAR * float(np.ptp(every, axis=0).max())
+    near = within + near * float(np.ptp(every, axis=0).max())
     for i, j in _candidates(first, second, near):
         reach = first.radii[i] + second.radii[j] + near
         yield first.corners[i], second.corners[j], reach
@@ -109,12 +146,24 @@ def _triangles(shape: LinkShape) -> FloatArray:
         return np.asarray(shape.vertices[shape.faces])
     if shape.kind == "sphere":
         return np.zeros((1, 3, 3))
-    # a prism: two triangles for each side, and its ends
     if shape.kind == "box":
-        rim, half = np.array([[a, b], [-a, b], [-a, -b], [a, -b]]) / 2, c / 2
-    else:
-        around = 2 * np.pi * np.arange(_SIDES) / _SIDES
-        rim, half = a * np.column_stack([np.cos(around), np.sin(around)]), b / 2
+        return _prism(_rectangle(a / 2, b / 2), c / 2)
+    return _prism(_circle(a), b / 2)
+
+
+def _rectangle(x: float, y: float) -> FloatArray:
+    """Corners (4, 2) of a rectangle of half sides x and y."""
+    return np.array([[x, y], [-x, y], [-x, -y], [x, -y]])
+
+
+def _circle(radius: float) -> FloatArray:
+    """Corners (n, 2) on a circle."""
+    around = 2 * np.pi * np.arange(_SIDES) / _SIDES
+    return np.asarray(radius * np.column_stack([np.cos(around), np.sin(around)]))
+
+
+def _prism(rim: FloatArray, half: float) -> FloatArray:
+    """Triangles (n, 3, 3) of a prism over a rim (m, 2): two for each side, and its ends."""
     low, high = (np.column_stack([rim, np.full(len(rim), z)]) for z in (-half, half))
     after = np.roll(np.arange(len(rim)), -1)
     fan = np.array([[0, k, k + 1] for k in range(1, len(rim) - 1)])

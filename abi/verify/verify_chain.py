@@ -49,7 +49,7 @@ from abi.verify.exact.solids import (
 from abi.verify.exact_path import positions_at
 from abi.verify.fault import Fault
 from abi.verify.held_direction import check_held_at_samples, check_span
-from abi.verify.held_links import held_below_floor, held_in_each_other
+from abi.verify.held_links import held_below_floor, held_in_each_other, held_in_mounts
 from abi.verify.joint_motion import JointMotion
 from abi.verify.joint_rates import check_rates
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
@@ -143,6 +143,7 @@ def check_chain(
     sunk = sorted(a for a, other in allowed if other == "floor" and chain.frames[a] >= 0)
     left_out = f"{_left_out(certificate)}{not_compared([*sunk, *held_below_floor(scene, chain)])}"
     left_out += held_in_each_other(scene, chain, scene.arm.allowed)
+    left_out += held_in_mounts(scene, chain, obstacles)
     return (
         f"{words}, and clear of the floor and each other ({len(pairs)} pairs), by {count} "
         f"directions{kept}{left_out}"

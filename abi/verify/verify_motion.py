@@ -29,7 +29,12 @@ from abi.verify.exact.solids import ExactFloor, ExactSolid, LinkPiece, MovedHull
 from abi.verify.exact_path import exact_path, positions_at
 from abi.verify.fault import Fault
 from abi.verify.held_direction import check_held_in_motion
-from abi.verify.held_links import held_below_floor, held_in_each_other
+from abi.verify.held_links import (
+    check_still,
+    held_below_floor,
+    held_in_each_other,
+    held_in_mounts,
+)
 from abi.verify.joint_motion import JointMotion
 from abi.verify.plan_fields import finite, list_of, mapping, vector_of
 from abi.verify.plan_obstacles import obstacles_of
@@ -90,6 +95,7 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
         apart = partial(motion.apart, bodies[i], bodies[j])
         check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
     _check_outside(motion, bodies, obstacles)
+    check_still(scene, motion.chain, obstacles)
     _check_pairs(allowed, bodies, pairs)
     _check_told(data)
     direction = check_held_in_motion(data, scene, motion.chain, motion.path)
@@ -102,6 +108,7 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
         f"({len(pairs)} pairs), by {count} directions{direction}; {_excepted(data)}"
         f"{not_compared([*sunk, *held_below_floor(scene, motion.chain)])}"
         f"{held_in_each_other(scene, motion.chain)}"
+        f"{held_in_mounts(scene, motion.chain, obstacles)}"
     )
 
 

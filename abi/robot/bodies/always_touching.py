@@ -6,11 +6,13 @@ import hashlib
 
 import numpy as np
 
+from abi.arrays import FloatArray
 from abi.robot.bodies import body_store, link_poses, link_solids, solid_contact
 from abi.robot.bodies.link_poses import relative_poses
 from abi.robot.bodies.link_solids import link_solids as solids_of
 from abi.robot.bodies.solid_contact import compile_kernels, touch
 from abi.robot.kinematics.chain import Chain
+from abi.robot.urdf.link import Link
 
 _POSES, _AT_ENDS = 96, 2
 """Random poses, and those at each end of each coordinate's range."""
@@ -36,7 +38,18 @@ def always_touch(chain: Chain, first: str, second: str) -> bool:
         at_ends = np.random.default_rng(2).uniform(low, high, (2 * _AT_ENDS, len(low)))
         at_ends[:, column] = np.repeat(ends, _AT_ENDS)
         positions = np.concatenate([positions, at_ends])
-    turned, moved = relative_poses(chain, first, second, positions)
+    return touch_in_all(one, other, *relative_poses(chain, first, second, positions))
+
+
+def touch_in_all(one: Link, other: Link, turned: FloatArray, moved: FloatArray) -> bool:
+    """Check whether the shapes of two links touch in all of some poses; what is found is kept.
+
+    Args:
+        one: a link.
+        other: another.
+        turned: its rotations in the frame of the first, (k, 3, 3).
+        moved: its origins there, (k, 3), [m].
+    """
     shapes = (*one.shapes, *other.shapes)
     code = (__file__, link_poses.__file__, solid_contact.__file__, link_solids.__file__)
     key = body_store.key_of(shapes, code)

@@ -1,17 +1,23 @@
-"""Links that held joints carry: they stand still, so no proof compares them with what stands too.
+"""Links that held joints carry: no proof compares them with what they never move beside.
 
-What they reach where they are held is told, by their exact shapes.
+That is what else stands still, as they do, or moves with them. What they reach where they are held
+is told, by their exact shapes.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from functools import lru_cache
 
 import numpy as np
 
 from abi.arrays import FloatArray
+from abi.obstacles.obstacle_set import Obstacle
+from abi.robot.bodies.always_touching import touch_in_all
 from abi.robot.bodies.floor_contacts import SUNK
+from abi.robot.bodies.link_poses import relative_poses
+from abi.robot.bodies.link_solids import LinkSolids
 from abi.robot.bodies.link_solids import link_solids as solids_of
 from abi.robot.bodies.solid_contact import compile_kernels, touch
 from abi.robot.kinematics.chain import Carried, Chain
@@ -19,14 +25,16 @@ from abi.robot.urdf.link import Link, LinkShape
 
 _MOST = 6
 """Sentences of one kind."""
-_TRIANGLES = 20_000
-"""Most triangles of a link that is compared with others."""
+_POSITIONS = 5
+"""Positions of held joints between two links at which it is tried whether these always touch."""
 
 
 def held_notes(
     chain: Chain, floor: float, allowed: Collection[Collection[str | int]] = ()
 ) -> list[str]:
-    """Sentences on links that held joints carry, below the floor or in other links that stand.
+    """Sentences on links that held joints carry, below the floor or touching others.
+
+    Not told are links that touch wherever the joints between them are, and pairs of the SRDF.
 
     Args:
         chain: the chain.
@@ -34,31 +42,78 @@ def held_notes(
         allowed: pairs that the scene lets touch.
     """
     groups = _groups(chain)
-    still = [one for one in chain.carried if one.frame < 0 and chain.robot.links[one.link].shapes]
-    bounds = {one.link: _bounds(chain.robot.links[one.link], one.pose) for one in still}
-    depths = {name: floor - low[2] for name, (low, _) in bounds.items() if len(groups[name]) > 1}
+    attached = chain.robot.attached
+    shapes = [
+        one
+        for one in chain.carried
+        if chain.robot.links[one.link].shapes and (attached is None or one.link != attached.link)
+    ]
+    bounds = {one.link: _bounds(chain.robot.links[one.link], one.pose) for one in shapes}
+    depths = {
+        one.link: floor - bounds[one.link][0][2]
+        for one in shapes
+        if one.frame < 0 and len(groups[one.link]) > 1
+    }
     sunk = [
         f"{name} reaches {depth:.3g} m below the floor, where it is held, which is not compared."
         for name, depth in depths.items()
         if depth > SUNK
     ]
-    shaped = {groups[one.link][0] for one in still}
     may_touch = {*chain.robot.may_touch, *map(frozenset, allowed)}
     may_touch |= {frozenset(one.ends) for one in chain.robot.couplings}
     touching = []
-    for first, second in itertools.combinations(still, 2):
+    for first, second in itertools.combinations(shapes, 2):
         links = first.link, second.link
         between = {*groups[links[0]]} ^ {*groups[links[1]]}
-        if len(between & shaped) < 2 or frozenset(links) in may_touch:
+        if first.frame != second.frame or not between or frozenset(links) in may_touch:
             continue
         (low, high), (others_low, others_high) = (bounds[name] for name in links)
         if (low > others_high).any() or (others_low > high).any():
             continue
-        if _touch(chain, first, second):
+        if _touch_as_held(chain, (first, second), between):
             touching.append(
-                f"{links[1]} is in {links[0]}, where it is held, which is not compared."
+                f"{links[1]} touches {links[0]}, where it is held, which is not compared."
             )
     return [*_some(sunk), *_some(touching)]
+
+
+def mount_notes(
+    chain: Chain,
+    under: Mapping[int, Obstacle],
+    metres: float,
+    allowed: Collection[Collection[str | int]] = (),
+) -> list[str]:
+    """Sentences on links that held joints put into what the robot stands on.
+
+    They are tried a little above where they are, so that what stands on it is apart.
+
+    Args:
+        chain: the chain.
+        under: what is beneath the base, by its number from 0, [unit].
+        metres: one [unit] in metres.
+        allowed: pairs that the scene lets touch.
+    """
+    groups, found = _groups(chain), []
+    up = next(one.pose[:3, 2] for one in chain.carried if one.link == chain.robot.root)
+    for number, obstacle in under.items():
+        solid = LinkSolids((obstacle,))
+        others_low, others_high = (metres * end for end in solid.bounds)
+        for one in chain.carried:
+            link = chain.robot.links[one.link]
+            stands = one.frame >= 0 or len(groups[one.link]) == 1 or not link.shapes
+            if stands or (one.link, number) in allowed:
+                continue
+            low, high = _bounds(link, one.pose)
+            if (low > others_high).any() or (others_low > high).any():
+                continue
+            compile_kernels()
+            raised = (one.pose[:3, 3] + SUNK * up) / metres
+            if touch(solid, solids_of(link, 1 / metres), one.pose[:3, :3].copy(), raised):
+                found.append(
+                    f"{one.link} is in obstacle {number + 1}, on which the robot stands, where it "
+                    "is held, which is not compared."
+                )
+    return _some(found)
 
 
 def _groups(chain: Chain) -> dict[str, tuple[str, ...]]:
@@ -70,15 +125,37 @@ def _groups(chain: Chain) -> dict[str, tuple[str, ...]]:
     return found
 
 
-def _touch(chain: Chain, first: Carried, second: Carried) -> bool:
-    """Check whether the shapes of two links that stand still touch; not of too many triangles."""
-    links = [chain.robot.links[one.link] for one in (first, second)]
-    if any(sum(len(shape.faces) for shape in link.shapes) > _TRIANGLES for link in links):
+def _touch_as_held(chain: Chain, pair: tuple[Carried, Carried], between: Collection[str]) -> bool:
+    """Check whether links touch where they are held, and not wherever the joints between are."""
+    first, second = pair
+    one, other = (chain.robot.links[part.link] for part in pair)
+    beside = (np.linalg.inv(first.pose) @ second.pose)[None]
+    if not _touch_in_all(one, other, beside[:, :3, :3], beside[:, :3, 3]):
         return False
-    compile_kernels()
-    beside = np.linalg.inv(first.pose) @ second.pose
-    pose = beside[:3, :3].copy(), beside[:3, 3].copy()
-    return touch(solids_of(links[0], 1.0), solids_of(links[1], 1.0), *pose)
+    by_child = {joint.child: joint for joint in chain.robot.joints}
+    moved = {by_child[child].coordinate: None for child in between}
+    if moved.keys() & {*chain.names}:
+        return True
+    still = {joint.name for joint in chain.robot.joints if joint.mimic is None} - {*moved}
+    held = {name: at for name, at in chain.held.items() if name in still}
+    joints = Chain.moved_by(chain.robot, (*moved,), held=held)
+    low, high = joints.usual_range().T
+    positions = np.linspace(low, high, _POSITIONS)
+    return not _touch_in_all(
+        one, other, *relative_poses(joints, first.link, second.link, positions)
+    )
+
+
+def _touch_in_all(one: Link, other: Link, turned: FloatArray, moved: FloatArray) -> bool:
+    """Check whether two links touch in all of some poses; wherever the robot stands."""
+    poses = np.round(np.concatenate([turned, moved[..., None]], axis=2), 9)
+    return _kept_touch(one, other, poses.tobytes())
+
+
+@lru_cache(maxsize=4096)
+def _kept_touch(one: Link, other: Link, poses: bytes) -> bool:
+    table = np.frombuffer(poses).reshape(-1, 3, 4)
+    return touch_in_all(one, other, table[..., :3].copy(), table[..., 3].copy())
 
 
 def _bounds(link: Link, pose: FloatArray) -> tuple[FloatArray, FloatArray]:

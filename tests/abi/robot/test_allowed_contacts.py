@@ -36,7 +36,7 @@ from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
-from abi.verify.allowed_contacts import _usual_range, are_joined, may_touch_floor
+from abi.verify.allowed_contacts import are_joined, may_touch_floor, usual_range
 from abi.verify.exact.robot_chain import exact_chain, exact_joints
 from abi.verify.exact.solids import LinkPiece, MovedHull, vector
 from abi.verify.plan_obstacles import obstacles_of
@@ -271,7 +271,7 @@ def test_random_poses_are_of_a_whole_turn_or_all_that_there_is(
     turned = end - begin if factor is None else min(1.0, factor) * (end - begin)
     assert turned >= 2 * np.pi - 1e-9 or (begin, end) == (lowest, highest)
     exact = exact_chain(chain.robot, "b", (0, 0, 0), 1, (1, 0, 0, 0), {})
-    assert [*zip(*_usual_range(exact), strict=True)] == [pytest.approx((begin, end))]
+    assert [*zip(*usual_range(exact), strict=True)] == [pytest.approx((begin, end))]
 
 
 def pin_in_tube(radius: float, name: str = "r") -> dict[str, str | bytes]:
@@ -482,11 +482,14 @@ def test_a_joint_is_said_to_bring_a_link_no_nearer_only_where_it_keeps_heights(
     assert note.endswith("p brings it no nearer.") != level
 
 
-@pytest.mark.parametrize(("turned", "deep"), [(0.0, False), (1.3, True)])
-@pytest.mark.parametrize(("bent", "inside"), [(0.0, False), (-2.5, True)])
-def test_what_held_joints_put_in_the_floor_or_in_the_robot_is_told(
-    turned: float, deep: bool, bent: float, inside: bool
+@pytest.mark.parametrize(
+    ("turned", "bent", "lifted"),
+    [(0.0, 0.0, False), (1.3, -2.5, False), (0.0, -2.5, True)],
+)
+def test_what_held_joints_put_in_the_floor_a_table_or_the_robot_is_told(
+    turned: float, bent: float, lifted: bool
 ) -> None:
+    deep, inside = turned != 0, bent != 0
     part = (
         '<link name="{}"><collision><origin xyz="{} 0 {}"/><geometry><box size="{}"/></geometry>'
         "</collision></link>"
@@ -495,7 +498,9 @@ def test_what_held_joints_put_in_the_floor_or_in_the_robot_is_told(
         '<joint name="{}" type="revolute"><parent link="{}"/><child link="{}"/><origin xyz="{}"/>'
         '<axis xyz="0 {}"/><limit lower="-3" upper="3" velocity="2" effort="9"/></joint>'
     )
+    lift = moved.replace("revolute", "prismatic").format("lift", "foot", "torso", "0 0 0.2", "0 1")
     text = urdf(
+        *([part.format("foot", 0, -0.5, "0.3 0.3 1"), lift] if lifted else []),
         part.format("torso", 0, 0.5, "0.3 0.3 1"),
         part.format("upper", 0.1, 0, "0.2 0.05 0.05"),
         part.format("lower", 0.25, 0, "0.4 0.05 0.05"),
@@ -512,8 +517,9 @@ def test_what_held_joints_put_in_the_floor_or_in_the_robot_is_told(
             "version": 1,
             "unit": "cm",
             "workspace": {"min": [-99, -99, 0], "max": [199] * 3},
-            "start": {"joints": [0.0]},
-            "goal": {"joints": [1.0]},
+            "start": {"joints": [0.0] * (1 + lifted)},
+            "goal": {"joints": [1.0] * (1 + lifted)},
+            "obstacles": [{"shape": "box", "size": [300, 300, 5], "position": [0, 0, -2.5]}],
             "mesh": {"pitch": 50},
             "arm": {
                 "model": "urdf",
@@ -525,15 +531,22 @@ def test_what_held_joints_put_in_the_floor_or_in_the_robot_is_told(
         },
         {"a.zip": packed({"a.urdf": text})},
     )
-    verdict, found = certify(None, ("p",), [0.0, 1.0], [[0.0], [1.0]], scene), plan(scene)
-    assert verdict.sentence.endswith("but for what the notes tell.") == (deep or inside)
+    names = ("lift", "p")[1 - lifted :]
+    verdict = certify(None, names, [0.0, 1.0], [[at] * len(names) for at in (0.0, 1.0)], scene)
+    found = plan(scene)
     for data in (verdict.to_dict(), found.to_dict()):
         told = [note for note in data["notes"] if note.endswith("is not compared.")]
         depth = 0.9 * np.sin(1.3) + 0.025 * np.cos(1.3) - 0.5
         sunk = f"low reaches {depth:.3g} m below the floor, where it is held, which"
-        both = "lower is in torso, where it is held, which"
-        assert told == [f"{one} is not compared." for one in [sunk] * deep + [both] * inside]
+        # what one joint joins is folded together, and is not so elsewhere
+        both = [f"lower touches {name}, where it is held, which" for name in ("torso", "upper")]
+        through = "low is in obstacle 1, on which the robot stands, where it is held, which"
+        which = [*[sunk] * deep, *both * inside, *[through] * deep]
+        assert told == [f"{one} is not compared." for one in which]
         checked = verify(json.loads(json.dumps(data)), scene.meshes)[-1]
         assert checked.proven
         assert ("; not compared with the floor: arm, low" in checked.reason) == deep
-        assert checked.reason.endswith("; held in each other: lower and torso") == inside
+        touching = "; touching where they are held: lower and torso, lower and upper"
+        assert (touching in checked.reason) == inside
+        stands = "; held in what the robot stands on: low in obstacle 1"
+        assert checked.reason.endswith(stands) == deep
