@@ -39,6 +39,7 @@ class Fields:
         """
         self._rows: list[tuple[list[str], Any, str]]
         self._rows = [(names.split(), widget, widget.label) for names, widget in widgets.items()]
+        self._widgets = {name: widget for names, widget, _ in self._rows for name in names}
         self._options = options
         for _, widget, _ in self._rows:
             widget.on_update(wake)
@@ -47,7 +48,7 @@ class Fields:
 
     def __getitem__(self, field: str) -> Any:
         """The widget that shows a field."""
-        return next(widget for names, widget, _ in self._rows if field in names)
+        return self._widgets[field]
 
     def read(self) -> dict[str, Any]:
         """Read the sections as typed; a label without a value as it is, for the scene to refuse."""
