@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from abi.errors import AbiError, SceneError
+from abi.obstacles.triangle_mesh.surface import Surface
+from abi.robot.urdf.robot import Robot
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import parse
 from abi_sweep.random_boxes import random_boxes
@@ -129,7 +131,8 @@ def plan_key(scene: Scene) -> str:
     digest = hashlib.sha256(scene.model_dump_json().encode())
     for name, content in sorted(scene.meshes.files.items()):
         digest.update(name.encode())
-        digest.update(content if isinstance(content, bytes) else content.digest.encode())
+        assert isinstance(content, Surface | Robot)  # as they were read
+        digest.update(content.digest.encode())
     return digest.hexdigest()[:16]
 
 

@@ -19,7 +19,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacles
 from abi.obstacles.per_shape import per_shape
 from abi.obstacles.pose import LARGEST, METRES, Vec3
-from abi.obstacles.triangle_mesh.mesh_source import CheckedFile, Files, MeshSource
+from abi.obstacles.triangle_mesh.mesh_source import Files, MeshSource
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import SHIPPED
 from abi.scene import scene_archive
@@ -241,7 +241,7 @@ class Scene(Settings):
     def meshes(self) -> MeshSource:
         """Files of the scene by name, as they were read: the surfaces of its meshes, its robot."""
         shapes = self._mesh_shapes
-        files: dict[str, CheckedFile] = {shape.file: shape.surface for shape in shapes}
+        files: dict[str, object] = {shape.file: shape.surface for shape in shapes}
         if self.arm.model == "urdf" and self.arm.urdf not in SHIPPED:
             files[self.arm.urdf] = self.arm.whole_robot
         return MeshSource(files)

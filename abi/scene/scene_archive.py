@@ -21,7 +21,7 @@ from abi.obstacles.mesh_files.obj import write_unit
 from abi.obstacles.mesh_files.zip_archive import DAMAGED_ZIP
 from abi.obstacles.triangle_mesh.file_names import same_name
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read_surface
-from abi.obstacles.triangle_mesh.mesh_source import CheckedFile, Files
+from abi.obstacles.triangle_mesh.mesh_source import Files
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.urdf.robot import Robot
 from abi.scene.scene_file import parse_bytes, text_of
@@ -65,7 +65,7 @@ def pack(data: Mapping[str, Any], files: Files) -> bytes:
     return packed.getvalue()
 
 
-def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | CheckedFile]]:
+def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Surface]]:
     """Unpack the plain data of a scene, and the content of its meshes and arms by name.
 
     A mesh that was of another format than it is stored in is read, and comes as a surface.
@@ -98,7 +98,7 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Checked
         expected = "a whole zip archive in which each file is once, whatever its slashes"
         raise SceneError(_FIELD, name, expected) from None
     names = _original_names(files)
-    contents: dict[str, bytes | CheckedFile] = {}
+    contents: dict[str, bytes | Surface] = {}
     for file, original in names.items():
         contents[original] = read_surface(stored.pop(file), file)
     data = _renamed(data, names)

@@ -20,7 +20,6 @@ import numpy as np
 from abi.arrays import FloatArray
 from abi.certification.motion import Motion
 from abi.errors import AbiError, SceneError
-from abi.obstacles.triangle_mesh.mesh_source import CheckedFile
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.progress import CancelledError
 from abi.robot.urdf.robot import Robot
@@ -115,7 +114,7 @@ class Reader:
 
     def scene(
         self, content: bytes, name: str, stopped: Stopped | None = None, delayed: Delayed = _ignore
-    ) -> tuple[object, Mapping[str, CheckedFile]]:
+    ) -> tuple[object, Mapping[str, Robot | Surface]]:
         """Plain data of a scene file, and the meshes and robots packed with it, by name.
 
         Arguments are those of :meth:`mesh`.

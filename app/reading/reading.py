@@ -14,7 +14,7 @@ import msgspec
 from abi.certification.read_motion import read_motion
 from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh import mesh_reader
-from abi.obstacles.triangle_mesh.mesh_source import CheckedFile, Files, MeshSource
+from abi.obstacles.triangle_mesh.mesh_source import Files, MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.urdf.robot import Robot
@@ -135,7 +135,7 @@ def _arm(name: str, content: bytes) -> ReadingResult:
 
 
 def _scene(name: str, content: bytes) -> ReadingResult:
-    files: dict[str, bytes | CheckedFile] = {}
+    files: dict[str, bytes | Surface] = {}
     if name.lower().endswith(scene_archive.SUFFIX):
         data, files = scene_archive.unpack(content, name)
     else:

@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from abi.arrays import read_only
-from abi.obstacles.triangle_mesh.mesh_source import CheckedFile, Files
+from abi.obstacles.triangle_mesh.mesh_source import Files
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.urdf.robot import Robot
 from abi.user_cache import user_cache
@@ -100,8 +100,11 @@ def _warn(reason: str) -> None:
     _log.warning("uploads are not kept", extra={"folder": str(folder()), "reason": reason})
 
 
-def _key(content: bytes | CheckedFile) -> str:
-    return _hash(content) if isinstance(content, bytes) else content.digest
+def _key(content: object) -> str:
+    if isinstance(content, bytes):
+        return _hash(content)
+    assert isinstance(content, Surface | Robot)
+    return content.digest
 
 
 @lru_cache(maxsize=8)
@@ -109,7 +112,7 @@ def _hash(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _packed(content: bytes | CheckedFile) -> bytes:
+def _packed(content: object) -> bytes:
     if isinstance(content, bytes):
         return content
     if isinstance(content, Robot):

@@ -6,7 +6,6 @@ import contextlib
 from collections.abc import Callable, Mapping
 from functools import cached_property, lru_cache
 from pathlib import Path, PurePosixPath
-from typing import Protocol
 
 from abi.errors import SceneError, short
 from abi.obstacles.triangle_mesh.file_names import same_name, same_path
@@ -16,17 +15,10 @@ from abi.obstacles.triangle_mesh.surface import Surface
 _MOST_NAMED = 100
 """Most files of one name that are looked at in a folder."""
 
-
-class CheckedFile(Protocol):
-    """What was in a file, read and checked: a surface, or a robot."""
-
-    @property
-    def digest(self) -> str:
-        """Hash of its content."""
-
-
-Files = Mapping[str, bytes | CheckedFile]
-"""Files of a scene by their names: bytes that are still to be read, or what was read of them."""
+Files = Mapping[str, object]
+"""Files of a scene by their names: bytes that are still to be read, or a surface or robot that they
+were read as.
+"""
 
 
 class MeshSource:
@@ -45,7 +37,7 @@ class MeshSource:
         folder: Path | None = None,
         otherwise: Callable[[str, SceneError], Surface] | None = None,
     ) -> None:
-        self.files: dict[str, bytes | CheckedFile] = dict(files or {})
+        self.files: dict[str, object] = dict(files or {})
         self.folder, self._otherwise = folder, otherwise
 
     @classmethod
@@ -111,7 +103,7 @@ class MeshSource:
                 contents[path] = self.content(path)
         return contents
 
-    def given(self, name: str) -> bytes | CheckedFile | None:
+    def given(self, name: str) -> object | None:
         """File given under a name, up to Unicode normalisation; None if it is in the folder."""
         same = same_name(name, self.files)
         return None if same is None else self.files[same]

@@ -38,9 +38,10 @@ def test_a_scene_comes_back_with_its_mesh() -> None:
     mesh_store.keep(state.scene.meshes.files)
     again = TabState.decode(state.encode(), SHIPPED)
     assert again == state
-    surface = again.scene.meshes.files["bumpy.stl"]
+    kept, surface = (one.scene.meshes.files["bumpy.stl"] for one in (state, again))
+    assert isinstance(kept, Surface)
     assert isinstance(surface, Surface)
-    assert surface.notes == state.scene.meshes.files["bumpy.stl"].notes  # type: ignore[union-attr]
+    assert surface.notes == kept.notes
 
 
 def test_a_mesh_that_is_not_here_is_named_and_the_rest_comes_back() -> None:
