@@ -177,13 +177,13 @@ def grazed(verdict: MotionVerdict, seed: int) -> tuple[dict[str, Any], float]:
     """A small plate that the last link grazes between two waypoints, and the parameter there."""
     random = np.random.default_rng(seed)
     motion, chain = verdict.problem.motion, verdict.problem.chain
-    last = [one for one in chain.carried if chain.robot.links[one.link].shapes][-1]
-    shape = chain.robot.links[last.link].shapes[0]
-    pose = last.pose @ shape.pose
+    last = [link for link in chain.frames if chain.robot.links[link].shapes][-1]
+    shape = chain.robot.links[last].shapes[0]
+    pose = chain.places[last] @ shape.pose
     corners = shape.vertices if len(shape.vertices) else (_CORNERS - 0.5) * shape.size
     corners = corners @ pose[:3, :3].T + pose[:3, 3]
     at = random.integers(len(motion.points)) + np.linspace(0, 1, 201)
-    frames = chain.poses(motion.positions_at(at))[:, last.frame]
+    frames = chain.poses(motion.positions_at(at))[:, chain.frames[last]]
     for _ in range(20):
         normal = random.normal(size=3)
         normal /= np.linalg.norm(normal)

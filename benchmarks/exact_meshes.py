@@ -23,9 +23,9 @@ class ExactArm:
     def __init__(self, arm: UrdfArm, box: FloatArray | None = None) -> None:
         """Shapes of ``arm``, which stands in metres, and a ``box``: centre and extents, (2, 3)."""
         links = arm.chain.robot.links
-        self._carried = {one.link: one for one in arm.chain.carried if any(links[one.link].shapes)}
         self._arm = arm
-        self._solids = {name: _solids_of(links[name]) for name in self._carried}
+        shaped = (name for name in arm.chain.frames if any(links[name].shapes))
+        self._solids = {name: _solids_of(links[name]) for name in shaped}
         names = [one.link for one in arm.capsules]
         never = {(one.link, str(one.other)) for one in arm.allowed if one.reason == "never"}
         self._pairs = sorted(never | {(names[i], names[j]) for i, j in arm.pairs.tolist()})
@@ -40,15 +40,16 @@ class ExactArm:
 
     def hits(self, pose: FloatArray) -> bool:
         """Check whether two links, or one that moves and the box, collide."""
-        placed = self._placed(pose)
-        moving = (name for name, one in self._carried.items() if one.frame >= 0)
+        placed, frames = self._placed(pose), self._arm.chain.frames
+        moving = (name for name in self._solids if frames[name] >= 0)
         on_box = any(_collide(placed[name], self._box) for name in moving)
         return on_box or self._hits_itself(placed)
 
     def box_stands_free(self) -> bool:
         """Check whether no link that stands still collides with the box."""
-        placed = self._placed(self._arm.chain.usual_range().mean(axis=1))
-        standing = (name for name, one in self._carried.items() if one.frame < 0)
+        chain = self._arm.chain
+        placed = self._placed(chain.usual_range().mean(axis=1))
+        standing = (name for name in self._solids if chain.frames[name] < 0)
         return not any(_collide(placed[name], self._box) for name in standing)
 
     def _hits_itself(self, placed: dict[str, _Placed]) -> bool:
@@ -56,14 +57,14 @@ class ExactArm:
 
     def _placed(self, pose: FloatArray) -> dict[str, _Placed]:
         """Solids of each link, in the world."""
-        frames = self._arm.chain.poses(pose[None])[0]
-        found = {}
-        for name, one in self._carried.items():
-            of_link = one.pose
-            if one.frame >= 0:
-                of_link = np.vstack([frames[one.frame], [0, 0, 0, 1]]) @ one.pose
+        chain, found = self._arm.chain, {}
+        frames = chain.poses(pose[None])[0]
+        for name, solids in self._solids.items():
+            of_link = chain.places[name]
+            if chain.frames[name] >= 0:
+                of_link = np.vstack([frames[chain.frames[name]], [0, 0, 0, 1]]) @ of_link
             world = _transform(of_link)
-            found[name] = [(solid, world * at) for solid, at in self._solids[name]]
+            found[name] = [(solid, world * at) for solid, at in solids]
         return found
 
 

@@ -145,9 +145,9 @@ def _tip(links: list[str], plan: Plan) -> int:
     assert plan.arm is not None
     chain = plan.arm.chain
     last = chain.table.origins.reshape(-1, 12)[-1]
-    for one in chain.carried:
-        if one.frame == chain.table.length - 1 and np.allclose(one.pose[:3, 3], last[9:]):
-            return links.index(one.link)
+    for link, frame in chain.frames.items():
+        if frame == chain.table.length - 1 and np.allclose(chain.places[link][:3, 3], last[9:]):
+            return links.index(link)
     raise ValueError("no link is at the tool")
 
 

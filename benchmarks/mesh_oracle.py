@@ -50,10 +50,10 @@ class MeshOracle:
         self._chain, self._floor = problem.chain, problem.around.floor
         self._obstacles = list(problem.around.obstacles)
         self._parts, self._links = list[_Part](), dict[str, list[int]]()
-        for carried in self._chain.carried:
-            for shape in self._chain.robot.links[carried.link].shapes:
-                self._links.setdefault(carried.link, []).append(len(self._parts))
-                self._parts.append(_part(shape, carried.frame, carried.pose @ shape.pose))
+        for link, frame in self._chain.frames.items():
+            for shape in self._chain.robot.links[link].shapes:
+                self._links.setdefault(link, []).append(len(self._parts))
+                self._parts.append(_part(shape, frame, self._chain.places[link] @ shape.pose))
         self._solids = [*map(obstacle_object, self._obstacles), _floor_object(self._floor)]
         self._frames = np.array([part.frame for part in self._parts])
         self._radii = np.array([part.radius for part in self._parts])

@@ -48,9 +48,9 @@ def _meshes(arm: UrdfArm) -> list[tuple[Any, int, FloatArray]]:
     from benchmarks.mesh_oracle import geometry
 
     return [
-        (geometry(shape), carried.frame, carried.pose @ shape.pose)
-        for carried in arm.chain.carried
-        for shape in arm.chain.robot.links[carried.link].shapes
+        (geometry(shape), frame, arm.chain.places[link] @ shape.pose)
+        for link, frame in arm.chain.frames.items()
+        for shape in arm.chain.robot.links[link].shapes
     ]
 
 

@@ -50,7 +50,7 @@ def ask(name: str, states: int, seed: int) -> Answers:
     chain = chain_of(name)
     model = _model(name, chain)
     data, tip = model.createData(), model.getFrameId(TIPS[name])
-    links = [model.getFrameId(one.link, pinocchio.FrameType.BODY) for one in chain.carried]
+    links = [model.getFrameId(link, pinocchio.FrameType.BODY) for link in chain.frames]
     random = np.random.default_rng(seed)
     low, high = chain.limits.T
     positions = random.uniform(low, high, (states, len(low)))

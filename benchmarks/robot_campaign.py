@@ -48,18 +48,18 @@ def check(file: RobotFile, random: np.random.Generator, capsules: bool = True) -
         state = {**chain.held, **dict(zip(chain.names, q.tolist(), strict=True))}
         frames = chain.poses(q[None])[0]
         truth = link_poses(file.robot, state)
-        assert {one.link for one in chain.carried} == {*truth}
-        for one in chain.carried:
-            pose = _in_world(frames, one.frame) @ one.pose
-            gap = float(np.abs(pose - truth[one.link]).max())
-            assert gap < _NEAR * (1 + chain.table.reach), (file.name, one.link, gap)
-            surface = _corners(robot, one.link) @ pose[:3, :3].T + pose[:3, 3]
-            wanted = CORNERS @ truth[one.link][:3, :3].T + truth[one.link][:3, 3]
+        assert chain.frames.keys() == truth.keys()
+        for link, frame in chain.frames.items():
+            pose = _in_world(frames, frame) @ chain.places[link]
+            gap = float(np.abs(pose - truth[link]).max())
+            assert gap < _NEAR * (1 + chain.table.reach), (file.name, link, gap)
+            surface = _corners(robot, link) @ pose[:3, :3].T + pose[:3, 3]
+            wanted = CORNERS @ truth[link][:3, :3].T + truth[link][:3, 3]
             away = np.linalg.norm(surface[:, None] - wanted[None], axis=2)
-            assert away.min(axis=0).max() < _NEAR_MESH, (file.name, one.link)
-            assert away.min(axis=1).max() < _NEAR_MESH, (file.name, one.link)
+            assert away.min(axis=0).max() < _NEAR_MESH, (file.name, link)
+            assert away.min(axis=1).max() < _NEAR_MESH, (file.name, link)
             if capsules:
-                assert _is_held(chain, frames, one.link, wanted), (file.name, one.link)
+                assert _is_held(chain, frames, link, wanted), (file.name, link)
     followers = sum(joint.mimic is not None for joint in robot.joints)
     return {
         "files": 1,

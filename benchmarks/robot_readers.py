@@ -53,8 +53,8 @@ def _poses_of_chain(chain: Chain, states: States) -> Poses:
     frames = np.concatenate([frames, last], axis=2)
     still = np.broadcast_to(np.eye(4), (len(frames), 4, 4))
     return {
-        one.link: (frames[:, one.frame] if one.frame >= 0 else still) @ one.pose
-        for one in chain.carried
+        link: (frames[:, frame] if frame >= 0 else still) @ chain.places[link]
+        for link, frame in chain.frames.items()
     }
 
 

@@ -190,11 +190,10 @@ def _model(plan: TaskPlan, arm: UrdfArm) -> mujoco.MjModel:
     weld.solref = [2 * STEP, 1.0]
     weld.solimp = [0.99, 0.999, 1e-4, 0.5, 2.0]
     bodies = {body.name for body in spec.bodies}
-    carried = {one.link: one.frame for one in arm.chain.carried}
     for one in arm.allowed:
         pair = {one.link, str(one.other)}
         names = {
-            _LAST if carried[name] == len(arm.joints) - 1 and name not in bodies else name
+            _LAST if arm.chain.frames[name] == len(arm.joints) - 1 and name not in bodies else name
             for name in pair
         }
         if len(names) == 2 and names <= bodies:

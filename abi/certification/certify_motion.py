@@ -144,19 +144,19 @@ def _standing_in(problem: MotionProblem, scene: Scene) -> list[tuple[str, int]]:
     may_touch = {(one, other) for one, other in scene.arm.allowed if not isinstance(other, str)}
     low, high = obstacles.bounds
     found = []
-    for carried in problem.chain.carried:
-        link = problem.chain.robot.links[carried.link]
-        if carried.frame >= 0 or not link.shapes:
+    for name, frame in problem.chain.frames.items():
+        link, pose = problem.chain.robot.links[name], problem.chain.places[name]
+        if frame >= 0 or not link.shapes:
             continue
         first, second, radii = link_solids(link, 1 / metres).edges
-        turn, origin = carried.pose[:3, :3], carried.pose[:3, 3] / metres
+        turn, origin = pose[:3, :3], pose[:3, 3] / metres
         ends = np.stack([first, second]) @ turn.T + origin
         near = (low <= (ends + radii[:, None]).max(axis=(0, 1))).all(axis=1)
         near &= (high >= (ends - radii[:, None]).min(axis=(0, 1))).all(axis=1)
         for number in np.flatnonzero(near).tolist():
-            is_let = number in problem.under or (carried.link, number) in may_touch
-            if not is_let and exact_contact.touches(problem, 0.0, carried.link, number):
-                found.append((carried.link, number))
+            is_let = number in problem.under or (name, number) in may_touch
+            if not is_let and exact_contact.touches(problem, 0.0, name, number):
+                found.append((name, number))
     return found
 
 

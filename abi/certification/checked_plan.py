@@ -105,11 +105,11 @@ def _of_arm(values: FloatArray, verdict: MotionVerdict, arm: UrdfArm) -> FloatAr
 def _tool(verdict: MotionVerdict, positions: FloatArray, arm: UrdfArm) -> FloatArray:
     """Positions of the tip (k, 3), [unit], world."""
     chain = arm.chain
-    carried = next(one for one in chain.carried if one.link == arm.tip)
-    if carried.frame < 0:
-        return np.tile(carried.pose[:3, 3] / arm.metres, (len(positions), 1))
-    frames = chain.poses(positions / arm.scales)[:, carried.frame]
-    places = frames[:, :, :3] @ carried.pose[:3, 3] + frames[:, :, 3]
+    frame, origin = chain.frames[arm.tip], chain.places[arm.tip][:3, 3]
+    if frame < 0:
+        return np.tile(origin / arm.metres, (len(positions), 1))
+    frames = chain.poses(positions / arm.scales)[:, frame]
+    places = frames[:, :, :3] @ origin + frames[:, :, 3]
     return np.asarray(places / arm.metres)
 
 

@@ -43,9 +43,9 @@ def robot_bodies(chain: Chain, closely: Collection[str] = frozenset()) -> tuple[
         AbiError: no link has a shape.
     """
     bodies = list[Body]()
-    for carried in chain.carried:
-        fit: Fit = "close" if carried.link in closely else "quick"
-        bodies += carried_bodies(carried, link_bodies(chain.robot.links[carried.link], fit))
+    for link in chain.frames:
+        fit: Fit = "close" if link in closely else "quick"
+        bodies += carried_bodies(chain, link, link_bodies(chain.robot.links[link], fit))
     if not has_own_shape(chain, bodies):
         raise AbiError(
             "No link that moves has a collision shape, so nothing can be proven.",

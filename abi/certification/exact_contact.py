@@ -65,10 +65,10 @@ def _solids(problem: MotionProblem, link: str) -> LinkSolids:
 
 def _pose(problem: MotionProblem, link: str, parameter: float) -> tuple[FloatArray, FloatArray]:
     """Rotation and origin of a link, [unit], world."""
-    carried = next(one for one in problem.chain.carried if one.link == link)
-    turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
-    if carried.frame >= 0:
+    chain = problem.chain
+    turn, origin = chain.places[link][:3, :3], chain.places[link][:3, 3]
+    if chain.frames[link] >= 0:
         positions = problem.motion.positions_at(np.array([parameter]))
-        frame = problem.chain.poses(positions)[0, carried.frame]
+        frame = chain.poses(positions)[0, chain.frames[link]]
         turn, origin = frame[:, :3] @ turn, frame[:, :3] @ origin + frame[:, 3]
     return turn, 1 / problem.metres * origin

@@ -17,7 +17,7 @@ import numpy as np
 from abi.arm_planning.joint_search.held_span import EXACTLY
 from abi.arrays import FloatArray
 from abi.certification.robot_motion import RobotMotion, on_curves
-from abi.robot.kinematics.chain import Carried, Chain
+from abi.robot.kinematics.chain import Chain
 from abi.scene.held_axis import HeldAxis
 from abi.scene.scene import Scene
 
@@ -78,14 +78,14 @@ def kept_direction(motion: RobotMotion, scene: Scene) -> KeptDirection | None:
     first, last = start + axis.begin * duration, start + axis.end * duration
     if why := _unknown(motion, scene, axis):
         return KeptDirection("not judged", axis.tolerance, first, last, why=why)
-    link = next(one for one in motion.chain.carried if one.link == scene.arm.tool)
-    angles_at = partial(_angles, motion.chain, link, np.array(axis.direction))
+    tool = scene.arm.tool
+    angles_at = partial(_angles, motion.chain, tool, np.array(axis.direction))
     begin, end = np.interp((first, last), times, np.arange(float(len(times)))).tolist()
     places = _places(begin, end)
     angles = angles_at(motion.positions_at(places))
     worst = int(angles.argmax())
     peak = float(angles[worst]), motion.time_at(float(places[worst]))
-    turns = _turns(motion.chain, link.frame)
+    turns = _turns(motion.chain, motion.chain.frames[tool])
     beyond, unsure = _outside(motion, angles_at, turns, axis.tolerance, (begin, end))
     open_ = np.concatenate([beyond, unsure])
     left = len(beyond) > 0 or peak[0] > axis.tolerance
@@ -109,15 +109,13 @@ def _unknown(motion: RobotMotion, scene: Scene, axis: HeldAxis) -> str:
     return ""
 
 
-def _angles(
-    chain: Chain, link: Carried, direction: FloatArray, positions: FloatArray
-) -> FloatArray:
+def _angles(chain: Chain, link: str, direction: FloatArray, positions: FloatArray) -> FloatArray:
     """Angles (k,) between a link's z axis and a direction at joint positions (k, n), [rad]."""
-    z = link.pose[:3, 2]
-    if link.frame < 0:
+    z, frame = chain.places[link][:3, 2], chain.frames[link]
+    if frame < 0:
         tip = np.tile(z, (len(positions), 1))
     else:
-        tip = chain.poses(positions)[:, link.frame, :, :3] @ z
+        tip = chain.poses(positions)[:, frame, :, :3] @ z
     direction = direction / np.linalg.norm(direction)
     apart, along = tip - direction, tip + direction  # exact where one is small
     squares = (apart * apart).sum(axis=1), (along * along).sum(axis=1)

@@ -189,7 +189,7 @@ def _as_here(near: Sequence[str]) -> list[str]:
 
 def _base_away(base: FloatArray, chain: Chain) -> float:
     """How far a file's place of the robot's root, (7,), is from here; raises if that is far."""
-    here = next(one.pose for one in chain.carried if one.link == chain.robot.root)
+    here = chain.places[chain.robot.root]
     turn = scipy.spatial.transform.Rotation.from_quat(base[3:]).as_matrix()
     away = max(np.abs(turn - here[:3, :3]).max(), np.abs(base[:3] - here[:3, 3]).max())
     if away > _APART:

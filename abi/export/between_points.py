@@ -147,12 +147,12 @@ def _farthest(arm: AnyArm, ways: FloatArray) -> float:
 def _levers(chain: Chain) -> FloatArray:
     """Bound of the motion of each link's points per unit of each coordinate, (k, n), [m]."""
     rows = [np.zeros(len(chain.names))]
-    for carried in chain.carried:
-        shapes = chain.robot.links[carried.link].shapes
-        points = [_corners(shape) for shape in shapes if carried.frame >= 0]
+    for link, frame in chain.frames.items():
+        shapes, pose = chain.robot.links[link].shapes, chain.places[link]
+        points = [_corners(shape) for shape in shapes if frame >= 0]
         if points:
-            corners = np.concatenate(points) @ carried.pose[:3, :3].T + carried.pose[:3, 3]
-            rows.append(lever(chain, carried.frame, corners, -1))
+            corners = np.concatenate(points) @ pose[:3, :3].T + pose[:3, 3]
+            rows.append(lever(chain, frame, corners, -1))
     return np.array(rows)
 
 

@@ -95,21 +95,20 @@ def link_frames(
     """
     scene = scene_frame(chain)
     world = {scene: np.broadcast_to(np.eye(4), (len(positions), 4, 4))}
-    own = {one.link: one for one in chain.carried}
     first, parts = 0, list[dict[str, FloatArray]]()
     for of_leg, last in legs:
         rows = positions[first : last + 1]
         poses, first = of_leg.poses(rows), last + 1
-        here = {one.link: one for one in of_leg.carried}
         part = {}
-        for link, one in own.items():
-            there = here.get(link, one)  # what is held on the first leg alone stays in the hand
+        for link in chain.frames:
+            # what is held on the first leg alone stays in the hand
+            here = of_leg if link in of_leg.frames else chain
             frame = np.tile(np.eye(4), (len(rows), 1, 1))
-            if there.frame >= 0:
-                frame[:, :3] = poses[:, there.frame]
-            part[link] = frame @ there.pose
+            if here.frames[link] >= 0:
+                frame[:, :3] = poses[:, here.frames[link]]
+            part[link] = frame @ here.places[link]
         parts.append(part)
-    world |= {link: np.concatenate([part[link] for part in parts]) for link in own}
+    world |= {link: np.concatenate([part[link] for part in parts]) for link in chain.frames}
     moving = [(joint.parent, joint.child) for joint in chain.joints]
     pairs = [(joint.parent, joint.child) for joint in chain.robot.joints]
     changing = [

@@ -135,6 +135,11 @@ def of_chain(**fields: Any) -> Any:
     return changed.poses(np.full((1, 6), 0.3)), changed.limits, changed.speeds, changed.efforts
 
 
+def of_place(pose: Any) -> Any:
+    one = chain()
+    return replace(one, places={**one.places, one.robot.root: pose}).places[one.robot.root]
+
+
 def of_table(field: str) -> Entry:
     good = np.asarray(getattr(chain().table, field))
     return Entry(lambda values: of_chain(table=chain().table._replace(**{field: values})), good)
@@ -315,7 +320,7 @@ def entries() -> dict[str, Entry]:
         "Chain: limits": Entry(lambda at: of_chain(limits=at), chain().limits),
         "Chain: speeds": Entry(lambda at: of_chain(speeds=at), chain().speeds, infinite=True),
         "Chain: efforts": Entry(lambda at: of_chain(efforts=at), chain().efforts, infinite=True),
-        "Carried: pose": Entry(lambda at: replace(chain().carried[0], pose=at).pose, np.eye(4)),
+        "Chain: places": Entry(of_place, np.eye(4)),
         "Joint: origin": Entry(lambda at: of_joint(origin=at), np.eye(4)),
         "Joint: axis": Entry(lambda at: of_joint(axis=at), np.array([0.0, 0.6, 0.8])),
         "LinkShape: pose": Entry(lambda at: of_shape(pose=at), np.eye(4)),

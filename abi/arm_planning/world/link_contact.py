@@ -82,9 +82,7 @@ def _own_touch(arm: UrdfArm, link: str, other: str, between: bytes) -> bool:
 def _between(arm: UrdfArm, link: str, other: str) -> IntArray:
     """Numbers of the coordinates that move one link beside another."""
     chain = arm.chain
-    frames = [
-        next(one.frame for one in chain.carried if one.link == name) for name in (link, other)
-    ]
+    frames = chain.frames[link], chain.frames[other]
     common, found = meeting(chain, *frames), set[int]()
     for frame in frames:
         for joint in chain.behind(frame):
@@ -139,9 +137,9 @@ def _frames(arm: UrdfArm, pose: FloatArray) -> FloatArray:
 
 def _placed(arm: UrdfArm, link: str, frames: FloatArray) -> _Pose:
     """Pose of a link, ``world_from_link``, [unit], by those of all frames, [m]."""
-    carried = next(one for one in arm.chain.carried if one.link == link)
-    turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
-    if carried.frame >= 0:
-        frame = frames[carried.frame]
+    number, pose = arm.chain.frames[link], arm.chain.places[link]
+    turn, origin = pose[:3, :3], pose[:3, 3]
+    if number >= 0:
+        frame = frames[number]
         turn, origin = frame[:, :3] @ turn, frame[:, :3] @ origin + frame[:, 3]
     return turn, origin / arm.metres

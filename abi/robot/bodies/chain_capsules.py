@@ -13,7 +13,7 @@ from abi.arrays import FloatArray, flat, read_only
 from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.link_bodies import Body, Fit, link_bodies
 from abi.robot.bodies.telescopes import open_bodies
-from abi.robot.kinematics.chain import Carried, Chain
+from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.chain_kernels import POSE
 
 _THIN = 1e-3
@@ -28,10 +28,10 @@ def capsules_of(chain: Chain, fits: Mapping[str, Fit]) -> tuple[Body, ...]:
         fits: of the links, by their names, that are to be fitted more closely.
     """
     capsules, beside = list[Body](), open_bodies(chain)
-    for carried in chain.carried:
-        fit = fits.get(carried.link, "quick")
-        bodies = beside.get(carried.link) or link_bodies(chain.robot.links[carried.link], fit)
-        capsules.extend(carried_bodies(carried, bodies))
+    for link in chain.frames:
+        fit = fits.get(link, "quick")
+        bodies = beside.get(link) or link_bodies(chain.robot.links[link], fit)
+        capsules.extend(carried_bodies(chain, link, bodies))
     if not has_own_shape(chain, capsules):
         capsules += _skeleton(chain)
     return tuple(sorted(capsules, key=attrgetter("frame")))
@@ -44,12 +44,12 @@ def has_own_shape(chain: Chain, bodies: Iterable[Body]) -> bool:
     return any(held is None or link != held.link for link in own)
 
 
-def carried_bodies(carried: Carried, bodies: Iterable[Body]) -> Iterator[Body]:
+def carried_bodies(chain: Chain, link: str, bodies: Iterable[Body]) -> Iterator[Body]:
     """Bodies of a link in the frame of the joint that moves it."""
-    turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
+    turn, origin = chain.places[link][:3, :3], chain.places[link][:3, 3]
     for body in bodies:
         ends, points = (read_only(one @ turn.T + origin) for one in (body.ends, body.points))
-        yield Body(ends, body.radius, points, body.rounding, carried.link, carried.frame)
+        yield Body(ends, body.radius, points, body.rounding, link, chain.frames[link])
 
 
 def _skeleton(chain: Chain) -> list[Body]:

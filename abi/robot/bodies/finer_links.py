@@ -49,7 +49,7 @@ def _finer_links(
     followers = {one.name for one in robot.joints if one.mimic is not None}
     still = {name: at for name, at in held if name not in followers}
     chain = Chain.moved_by(robot, names, held=still)
-    links = [one.link for one in chain.carried]
+    links = [*chain.frames]
     shapes = [shape for link in links for shape in robot.links[link].shapes]
     code = (__file__, chain_capsules.__file__, sampled_bodies.__file__, telescopes.__file__)
     motion = [(one.name, one.origin.tolist(), one.axis.tolist()) for one in robot.joints]

@@ -61,11 +61,9 @@ def floor_notes(chain: Chain, links: Iterable[str], floor: float) -> list[str]:
     why = ", as it touches the floor in every pose"
     if _keeps_heights(chain):
         why = f": {chain.joints[0].name} brings it no nearer"
-    for carried in chain.carried:
-        if carried.frame != 0 or carried.link not in standing:
-            continue
-        turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
-        solids = solids_of(chain.robot.links[carried.link], 1.0)
+    for link in (name for name, number in chain.frames.items() if number == 0 and name in standing):
+        turn, origin = chain.places[link][:3, :3], chain.places[link][:3, 3]
+        solids = solids_of(chain.robot.links[link], 1.0)
         frames = chain.poses(_turned(chain))[:, 0]
         lowest = min(
             solids.lowest(frame[:, :3] @ turn, frame[:, :3] @ origin + frame[:, 3])
@@ -73,7 +71,7 @@ def floor_notes(chain: Chain, links: Iterable[str], floor: float) -> list[str]:
         )
         if floor - lowest > SUNK:
             notes.append(
-                f"{carried.link} reaches {floor - lowest:.3g} m below the floor, which is not "
+                f"{link} reaches {floor - lowest:.3g} m below the floor, which is not "
                 f"compared{why}."
             )
     return notes

@@ -20,7 +20,7 @@ from abi.robot.bodies.link_poses import relative_poses
 from abi.robot.bodies.link_solids import LinkSolids
 from abi.robot.bodies.link_solids import link_solids as solids_of
 from abi.robot.bodies.solid_contact import compile_kernels, touch
-from abi.robot.kinematics.chain import Carried, Chain
+from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.link import Link, LinkShape
 
 _MOST = 6
@@ -41,18 +41,18 @@ def held_notes(
         floor: its height, [m].
         allowed: pairs that the scene lets touch.
     """
-    groups = _groups(chain)
+    groups, links, frames = _groups(chain), chain.robot.links, chain.frames
     attached = chain.robot.attached
-    shapes = [
-        one
-        for one in chain.carried
-        if chain.robot.links[one.link].shapes and (attached is None or one.link != attached.link)
+    shaped = [
+        name
+        for name in frames
+        if links[name].shapes and (attached is None or name != attached.link)
     ]
-    bounds = {one.link: _bounds(chain.robot.links[one.link], one.pose) for one in shapes}
+    bounds = {name: _bounds(links[name], chain.places[name]) for name in shaped}
     depths = {
-        one.link: floor - bounds[one.link][0][2]
-        for one in shapes
-        if one.frame < 0 and len(groups[one.link]) > 1
+        name: floor - low[2]
+        for name, (low, _) in bounds.items()
+        if frames[name] < 0 and len(groups[name]) > 1
     }
     sunk = [
         f"{name} reaches {depth:.3g} m below the floor, where it is held, which is not compared."
@@ -62,18 +62,16 @@ def held_notes(
     may_touch = {*chain.robot.may_touch, *map(frozenset, allowed)}
     may_touch |= {frozenset(one.ends) for one in chain.robot.couplings}
     touching = []
-    for first, second in itertools.combinations(shapes, 2):
-        links = first.link, second.link
-        between = {*groups[links[0]]} ^ {*groups[links[1]]}
-        if first.frame != second.frame or not between or frozenset(links) in may_touch:
+    for first, second in itertools.combinations(shaped, 2):
+        between = {*groups[first]} ^ {*groups[second]}
+        is_let = not between or frozenset((first, second)) in may_touch
+        if frames[first] != frames[second] or is_let:
             continue
-        (low, high), (others_low, others_high) = (bounds[name] for name in links)
+        (low, high), (others_low, others_high) = bounds[first], bounds[second]
         if (low > others_high).any() or (others_low > high).any():
             continue
-        if _touch_as_held(chain, (first, second), between):
-            touching.append(
-                f"{links[1]} touches {links[0]}, where it is held, which is not compared."
-            )
+        if _touch_as_held(chain, first, second, between):
+            touching.append(f"{second} touches {first}, where it is held, which is not compared.")
     return [*_some(sunk), *_some(touching)]
 
 
@@ -94,23 +92,23 @@ def mount_notes(
         allowed: pairs that the scene lets touch.
     """
     groups, found = _groups(chain), []
-    up = next(one.pose[:3, 2] for one in chain.carried if one.link == chain.robot.root)
+    up = chain.places[chain.robot.root][:3, 2]
     for number, obstacle in under.items():
         solid = LinkSolids((obstacle,))
         others_low, others_high = (metres * end for end in solid.bounds)
-        for one in chain.carried:
-            link = chain.robot.links[one.link]
-            stands = one.frame >= 0 or len(groups[one.link]) == 1 or not link.shapes
-            if stands or (one.link, number) in allowed:
+        for name, frame in chain.frames.items():
+            link, pose = chain.robot.links[name], chain.places[name]
+            stands = frame >= 0 or len(groups[name]) == 1 or not link.shapes
+            if stands or (name, number) in allowed:
                 continue
-            low, high = _bounds(link, one.pose)
+            low, high = _bounds(link, pose)
             if (low > others_high).any() or (others_low > high).any():
                 continue
             compile_kernels()
-            raised = (one.pose[:3, 3] + SUNK * up) / metres
-            if touch(solid, solids_of(link, 1 / metres), one.pose[:3, :3].copy(), raised):
+            raised = (pose[:3, 3] + SUNK * up) / metres
+            if touch(solid, solids_of(link, 1 / metres), pose[:3, :3].copy(), raised):
                 found.append(
-                    f"{one.link} is in obstacle {number + 1}, on which the robot stands, where it "
+                    f"{name} is in obstacle {number + 1}, on which the robot stands, where it "
                     "is held, which is not compared."
                 )
     return _some(found)
@@ -125,11 +123,10 @@ def _groups(chain: Chain) -> dict[str, tuple[str, ...]]:
     return found
 
 
-def _touch_as_held(chain: Chain, pair: tuple[Carried, Carried], between: Collection[str]) -> bool:
+def _touch_as_held(chain: Chain, first: str, second: str, between: Collection[str]) -> bool:
     """Check whether links touch where they are held, and not wherever the joints between are."""
-    first, second = pair
-    one, other = (chain.robot.links[part.link] for part in pair)
-    beside = (np.linalg.inv(first.pose) @ second.pose)[None]
+    one, other = (chain.robot.links[name] for name in (first, second))
+    beside = (np.linalg.inv(chain.places[first]) @ chain.places[second])[None]
     if not _touch_in_all(one, other, beside[:, :3, :3], beside[:, :3, 3]):
         return False
     by_child = {joint.child: joint for joint in chain.robot.joints}
@@ -141,9 +138,7 @@ def _touch_as_held(chain: Chain, pair: tuple[Carried, Carried], between: Collect
     joints = Chain.moved_by(chain.robot, (*moved,), held=held)
     low, high = joints.usual_range().T
     positions = np.linspace(low, high, _POSITIONS)
-    return not _touch_in_all(
-        one, other, *relative_poses(joints, first.link, second.link, positions)
-    )
+    return not _touch_in_all(one, other, *relative_poses(joints, first, second, positions))
 
 
 def _touch_in_all(one: Link, other: Link, turned: FloatArray, moved: FloatArray) -> bool:

@@ -30,10 +30,9 @@ def relative_poses(
 
 def _placed(chain: Chain, link: str, poses: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Rotations and origins of a link where joints have poses (k, m, 3, 4), world."""
-    carried = next(one for one in chain.carried if one.link == link)
-    turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
-    if carried.frame < 0:
+    turn, origin = chain.places[link][:3, :3], chain.places[link][:3, 3]
+    if chain.frames[link] < 0:
         count = len(poses)
         return np.broadcast_to(turn, (count, 3, 3)), np.broadcast_to(origin, (count, 3))
-    frames = poses[:, carried.frame]
+    frames = poses[:, chain.frames[link]]
     return frames[:, :, :3] @ turn, frames[:, :, :3] @ origin + frames[:, :, 3]

@@ -75,8 +75,7 @@ def _between(
     chain: Chain, links: tuple[str, str], solids: tuple[LinkSolids, LinkSolids]
 ) -> _Between | None:
     """Joints between two links; None of too many, or where a link has no shape."""
-    frames = [one.frame for name in links for one in chain.carried if one.link == name]
-    up, down = (chain.behind(frame) for frame in frames)
+    up, down = (chain.behind(chain.frames[link]) for link in links)
     path = [*(k for k in up if k not in down), *(k for k in down[::-1] if k not in up)]
     if not 1 <= len(path) <= _MOST_JOINTS or not all(one.shapes for one in solids):
         return None

@@ -20,7 +20,7 @@ import scipy
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.robot.bodies.bounding_capsules import principal_axes
 from abi.robot.bodies.link_bodies import Body, OpenWay, bodies_beside, link_bodies, triangles_of
-from abi.robot.kinematics.chain import Carried, Chain
+from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot import Robot
 
 _SIDES = 16
@@ -66,25 +66,25 @@ def _open_bodies(
     chain, found = Chain.moved_by(robot, names, held=still), dict[str, tuple[Body, ...]]()
     if np.count_nonzero(chain.table.slides) < 2:
         return found
-    for outer in chain.carried:
-        link, slides = robot.links[outer.link], [*_slides_beside(chain, outer)]
+    for outer in chain.frames:
+        link, slides = robot.links[outer], [*_slides_beside(chain, outer)]
         if not link.shapes or not slides:
             continue
         way = _way_into(triangles_of(link), slides)
         if way is not None:
-            found[outer.link] = bodies_beside(link, way)
+            found[outer] = bodies_beside(link, way)
     return found
 
 
-def _slides_beside(chain: Chain, outer: Carried) -> Iterator[_Slide]:
+def _slides_beside(chain: Chain, outer: str) -> Iterator[_Slide]:
     """Pieces of links that two slides or more, all in one direction, move beside another."""
     table = chain.table
     frames = chain.poses(np.zeros((1, len(chain.names))))[0]
-    (turn, origin), behind = _world_from(frames, outer), {*chain.behind(outer.frame)}
-    for inner in chain.carried:
-        between = sorted(behind ^ {*chain.behind(inner.frame)})
+    (turn, origin), behind = _placed(chain, frames, outer), {*chain.behind(chain.frames[outer])}
+    for inner, frame in chain.frames.items():
+        between = sorted(behind ^ {*chain.behind(frame)})
         slides = len(between) >= 2 and all(table.slides[between].tolist())
-        if not slides or frozenset((outer.link, inner.link)) in chain.robot.may_touch:
+        if not slides or frozenset((outer, inner)) in chain.robot.may_touch:
             continue
         axes = np.stack([frames[k, :, :3] @ chain.joints[k].axis for k in between])
         along = axes[0] * np.sign(axes[0, np.abs(axes[0]).argmax()])
@@ -94,19 +94,19 @@ def _slides_beside(chain: Chain, outer: Carried) -> Iterator[_Slide]:
         for k, rate in zip(between, axes @ along * table.factor[between], strict=True):
             rates[table.source[k]] += -rate if k in behind else rate
         ends = rates[:, None] * chain.limits
-        turned, moved = _world_from(frames, inner)
+        turned, moved = _placed(chain, frames, inner)
         low, high = ends.min(axis=1).sum(), ends.max(axis=1).sum()
-        for piece in link_bodies(chain.robot.links[inner.link]):
+        for piece in link_bodies(chain.robot.links[inner]):
             points = (piece.points @ turned.T + moved - origin) @ turn
             yield _Slide(turn.T @ along, points, float(low), float(high))
 
 
-def _world_from(frames: FloatArray, carried: Carried) -> tuple[FloatArray, FloatArray]:
+def _placed(chain: Chain, frames: FloatArray, link: str) -> tuple[FloatArray, FloatArray]:
     """Rotation (3, 3) and place (3,) of a link that frames (m, 3, 4) carry."""
-    turn, place = carried.pose[:3, :3], carried.pose[:3, 3]
-    if carried.frame < 0:
+    turn, place = chain.places[link][:3, :3], chain.places[link][:3, 3]
+    if chain.frames[link] < 0:
         return turn, place
-    frame = frames[carried.frame]
+    frame = frames[chain.frames[link]]
     return frame[:, :3] @ turn, frame[:, :3] @ place + frame[:, 3]
 
 

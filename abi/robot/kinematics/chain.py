@@ -29,29 +29,6 @@ _PART = 250
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Carried(ShortRepr):
-    """A link that a chain carries.
-
-    Attributes:
-        link: its name.
-        frame: number of the joint that moves it, -1 where it stands still.
-        pose: frame from link, shape (4, 4), [m]; world from link where it stands still.
-    """
-
-    link: str
-    frame: int
-    pose: FloatArray
-
-    def __post_init__(self) -> None:
-        """Check the pose.
-
-        Raises:
-            ArgumentError: it is none.
-        """
-        arguments.keep(self, pose=arguments.pose("pose", self.pose))
-
-
-@dataclass(frozen=True, eq=False, repr=False)
 class Chain(ShortRepr):
     """Joints between a base and a tip, standing in the world; lengths in [m].
 
@@ -65,7 +42,9 @@ class Chain(ShortRepr):
         speeds: largest of each, (n,), [1/s]; inf where none is known.
         efforts: largest torque or force of each, (n,); inf where none is known.
         slides: which coordinates are lengths, (n,).
-        carried: every link, whether it is fixed to the base or moved by a joint.
+        frames: number of the joint that moves each link of the robot, -1 where it stands still, by
+            the link's name, parents before children.
+        places: pose of each link in that frame, in the world where it stands still, (4, 4), [m].
         held: positions of the joints that can move but stand still, [rad] or [m].
     """
 
@@ -77,7 +56,8 @@ class Chain(ShortRepr):
     speeds: FloatArray
     efforts: FloatArray
     slides: tuple[bool, ...]
-    carried: tuple[Carried, ...]
+    frames: Mapping[str, int]
+    places: Mapping[str, FloatArray]
     held: Mapping[str, float]
 
     def __post_init__(self) -> None:
@@ -87,8 +67,10 @@ class Chain(ShortRepr):
             ArgumentError: an array has another shape or type, or makes no sense.
         """
         count, moving = len(self.names), len(self.joints)
-        for carried in self.carried:
-            arguments.integer(f"frame of {carried.link}", carried.frame, -1, moving - 1)
+        for link, frame in self.frames.items():
+            arguments.integer(f"frame of {link}", frame, -1, moving - 1)
+        checked = {link: arguments.pose("places", self.places[link]) for link in self.frames}
+        places = {link: arguments.owned(pose) for link, pose in checked.items()}
         arguments.flags("slides", self.slides, (count,))
         rates = {
             name: arguments.within(name, values, (count,), 0.0, math.inf, infinite=True)
@@ -98,6 +80,7 @@ class Chain(ShortRepr):
             self,
             table=checked_table(self.table, moving, count),
             limits=arguments.ranges("limits", self.limits, count),
+            places=places,
             **rates,
         )
 
@@ -130,13 +113,13 @@ class Chain(ShortRepr):
         beside = (one for one in robot.joints if one.kind != "fixed" and one not in way)
         joints = (*way, *(joint for joint in beside if joint.coordinate in names))
         still = positions_held(robot, names, held)
-        links = _links(robot, joints, still, _pose(position, wxyz))
-        last = links[tip].pose
-        origins = [*_origins(way, links), last]
+        frames, places = _links(robot, joints, still, _pose(position, wxyz))
+        last = places[tip]
+        origins = [*_origins(way, places), last]
         reach = sum(float(np.linalg.norm(pose[:3, 3])) for pose in origins[1:])
         reach += sum(joint.high - joint.low for joint in way if joint.kind == "prismatic")
         return cls._of_links(
-            *(robot, joints, names, still, links, reach),
+            *(robot, joints, names, still, (frames, places), reach),
             length=len(way),
             tip=last,
             axis=axis,
@@ -168,7 +151,7 @@ class Chain(ShortRepr):
         )
         still = positions_held(robot, names, held)
         links = _links(robot, joints, still, _pose(position, wxyz))
-        reach = sum(float(np.linalg.norm(pose[:3, 3])) for pose in _origins(joints, links))
+        reach = sum(float(np.linalg.norm(pose[:3, 3])) for pose in _origins(joints, links[1]))
         reach += sum(joint.high - joint.low for joint in joints if joint.kind == "prismatic")
         return cls._of_links(
             *(robot, joints, names, still, links, reach),
@@ -184,7 +167,7 @@ class Chain(ShortRepr):
         joints: tuple[Joint, ...],
         names: tuple[str, ...],
         still: Mapping[str, float],
-        links: Mapping[str, Carried],
+        links: tuple[Mapping[str, int], Mapping[str, FloatArray]],
         reach: float,
         *,
         length: int,
@@ -198,21 +181,21 @@ class Chain(ShortRepr):
             joints: those that move; those between base and tip come first.
             names: of the coordinates.
             still: positions of the joints that stand still, [rad] or [m].
-            links: every link by name.
+            links: the joint that moves each link, and the link's pose in the frame of that.
             reach: length that errors of place are compared with, [m].
             length: number of joints between base and tip.
             tip: its pose behind the last of these, (4, 4), [m].
             axis: direction that its z axis is held to, world; None for any.
         """
-        by_name = {joint.name: joint for joint in robot.joints}
+        (frames, places), by_name = links, {joint.name: joint for joint in robot.joints}
         moving = [by_name[name] for name in names]
         limits = np.array([(joint.low, joint.high) for joint in moving])
         direction = np.array(axis or (0.0, 0.0, 1.0))
-        before = [links[joint.parent].frame for joint in joints]
+        before = [frames[joint.parent] for joint in joints]
         table = ChainTable(
             length=length,
             before=read_only(np.array(before, dtype=np.int32)),
-            origins=flat(np.stack([_packed(pose) for pose in [*_origins(joints, links), tip]])),
+            origins=flat(np.stack([_packed(pose) for pose in [*_origins(joints, places), tip]])),
             axes=flat(np.stack([joint.axis for joint in joints])),
             slides=read_only(np.array([joint.kind == "prismatic" for joint in joints])),
             source=read_only(
@@ -234,7 +217,8 @@ class Chain(ShortRepr):
             speeds=read_only(np.array([joint.speed for joint in moving])),
             efforts=read_only(np.array([joint.effort for joint in moving])),
             slides=tuple(joint.kind == "prismatic" for joint in moving),
-            carried=tuple(links.values()),
+            frames=frames,
+            places=places,
             held=still,
         )
 
@@ -330,8 +314,10 @@ def _pose(position: Vec3, wxyz: Quaternion) -> FloatArray:
 
 def _links(
     robot: Robot, joints: tuple[Joint, ...], still: Mapping[str, float], base: FloatArray
-) -> dict[str, Carried]:
-    """Every link of a robot by name, parents before children, in the frames of moving joints.
+) -> tuple[dict[str, int], dict[str, FloatArray]]:
+    """The joint that moves each link of a robot, -1 for none, and the link's pose in its frame.
+
+    Parents come before children.
 
     Args:
         robot: the robot.
@@ -339,21 +325,20 @@ def _links(
         still: positions of the others, but for fixed ones, [rad] or [m].
         base: world from root, (4, 4), [m].
     """
-    links = {robot.root: Carried(robot.root, -1, read_only(base))}
+    frames, places = {robot.root: -1}, {robot.root: read_only(base)}
     for joint in robot.joints:
-        carrier = links[joint.parent]
-        frame, pose = carrier.frame, carrier.pose @ joint.origin
+        frame, pose = frames[joint.parent], places[joint.parent] @ joint.origin
         if joint in joints:
             frame, pose = joints.index(joint), np.eye(4)
         elif joint.name in still:
             pose = pose @ joint.motion(still[joint.name])
-        links[joint.child] = Carried(joint.child, frame, read_only(pose))
-    return links
+        frames[joint.child], places[joint.child] = frame, read_only(pose)
+    return frames, places
 
 
-def _origins(joints: Iterable[Joint], links: Mapping[str, Carried]) -> list[FloatArray]:
+def _origins(joints: Iterable[Joint], places: Mapping[str, FloatArray]) -> list[FloatArray]:
     """Pose of each joint at position 0 in the frame that carries it, (4, 4), [m]."""
-    return [links[joint.parent].pose @ joint.origin for joint in joints]
+    return [places[joint.parent] @ joint.origin for joint in joints]
 
 
 def _packed(pose: FloatArray) -> FloatArray:

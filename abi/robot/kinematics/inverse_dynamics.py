@@ -22,8 +22,8 @@ GRAVITY = 9.80665
 
 def has_masses(chain: Chain) -> bool:
     """Check whether the URDF gives a mass for any link that the chain moves."""
-    moved = [carried.link for carried in chain.carried if carried.frame >= 0]
-    return any(chain.robot.links[link].mass > 0 for link in moved)
+    links = chain.robot.links
+    return any(links[link].mass > 0 for link, frame in chain.frames.items() if frame >= 0)
 
 
 def joint_torques(
@@ -121,11 +121,12 @@ def joined(parts: Sequence[RigidBody]) -> RigidBody:
 def _bodies(chain: Chain) -> list[RigidBody]:
     """Load of each joint, in its frame."""
     loads: list[list[RigidBody]] = [[] for _ in chain.joints]
-    for one in chain.carried:
-        if one.frame >= 0:
-            link, turn, origin = chain.robot.links[one.link], one.pose[:3, :3], one.pose[:3, 3]
+    for name, frame in chain.frames.items():
+        if frame >= 0:
+            link, pose = chain.robot.links[name], chain.places[name]
+            turn, origin = pose[:3, :3], pose[:3, 3]
             centre, inertia = turn @ link.centre + origin, turn @ link.inertia @ turn.T
-            loads[one.frame].append(RigidBody(link.mass, centre, inertia))
+            loads[frame].append(RigidBody(link.mass, centre, inertia))
     return [joined(load) for load in loads]
 
 

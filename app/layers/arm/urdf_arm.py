@@ -40,9 +40,10 @@ def build(nodes: ArmNodes, arm: UrdfArm, base: str) -> None:
         names.append(f"{names[arm.chain.table.before[number] + 1]}/joint{number}")
         slides = joint.kind == "prismatic"
         nodes.add_joint(names[-1], joint_origin(arm, number), joint.axis, number, slides)
+    links = [*arm.chain.frames.items()]
     for number, glbs in bodies(arm).items():
-        carried = arm.chain.carried[number]
-        nodes.add_body(carried.link, f"{names[carried.frame + 1]}/{number}", glbs)
+        link, frame = links[number]
+        nodes.add_body(link, f"{names[frame + 1]}/{number}", glbs)
 
 
 def rest_pose(arm: UrdfArm, scene: Scene) -> FloatArray:
@@ -57,11 +58,11 @@ def bodies(arm: UrdfArm) -> dict[int, tuple[bytes, bytes]]:
     They are made once for all tabs in which an arm looks alike.
     """
     made = {}
-    for number, carried in enumerate(arm.chain.carried):
-        link = arm.chain.robot.links[carried.link]
+    for number, (name, frame) in enumerate(arm.chain.frames.items()):
+        link = arm.chain.robot.links[name]
         if link.drawn:
-            pose = np.array(carried.pose)
-            if carried.frame < 0:
+            pose = np.array(arm.chain.places[name])
+            if frame < 0:
                 pose = np.linalg.inv(root_pose(arm)) @ pose
             shapes = [_muted(shape, number % 2) for shape in link.drawn]
             made[number] = link_glbs(shapes, pose, 1 / arm.metres)

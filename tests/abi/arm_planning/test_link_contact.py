@@ -38,11 +38,10 @@ def surface_points(arm: UrdfArm, link: str, pose: FloatArray) -> FloatArray:
         parts = (a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)
         corners = np.concatenate([np.stack(part, axis=1) for part in parts])
     points = np.concatenate(found)
-    carried = next(one for one in arm.chain.carried if one.link == link)
-    frame = np.eye(4)
-    if carried.frame >= 0:
-        frame[:3] = arm.chain.poses(pose[None] / arm.scales)[0, carried.frame]
-    world = frame @ carried.pose
+    number, frame = arm.chain.frames[link], np.eye(4)
+    if number >= 0:
+        frame[:3] = arm.chain.poses(pose[None] / arm.scales)[0, number]
+    world = frame @ arm.chain.places[link]
     return np.asarray((points @ world[:3, :3].T + world[:3, 3]) / arm.metres)
 
 

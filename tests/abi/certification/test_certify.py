@@ -112,9 +112,9 @@ def test_a_way_narrower_than_what_quick_bodies_leave_is_proven() -> None:
     problem = verdict_of(scene_with([ceiling]), motion).problem
     # as the shoulder turns about the vertical, no link gets higher than at first
     least = min(
-        exact_contact.distance(problem, 0.0, one.link, 0)
-        for one in problem.chain.carried
-        if one.frame > 0 and problem.chain.robot.links[one.link].shapes
+        exact_contact.distance(problem, 0.0, link, 0)
+        for link, frame in problem.chain.frames.items()
+        if frame > 0 and problem.chain.robot.links[link].shapes
     )
     gap = 5e-4
     ceiling["position"] = [0.0, 0.0, 3.0 - least + gap]

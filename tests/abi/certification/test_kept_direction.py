@@ -60,8 +60,9 @@ def nodding(degree: int, by: float) -> Motion:
 
 def angle_off(motion: RobotMotion, scene: Scene, parameters: FloatArray) -> FloatArray:
     """Angle between the tool's z axis and straight down, [rad]."""
-    tip = next(one for one in motion.chain.carried if one.link == scene.arm.tool)
-    z = motion.chain.poses(motion.positions_at(parameters))[:, tip.frame, :, :3] @ tip.pose[:3, 2]
+    chain, tip = motion.chain, scene.arm.tool
+    frames = chain.poses(motion.positions_at(parameters))[:, chain.frames[tip]]
+    z = frames[:, :, :3] @ chain.places[tip][:3, 2]
     return np.asarray(np.arctan2(np.hypot(z[:, 0], z[:, 1]), -z[:, 2]))
 
 

@@ -92,8 +92,8 @@ def test_the_frames_and_joints_of_a_sequence_have_the_gripper_of_each_leg() -> N
             )
         chain = next(chain for chain, last in legs if sample <= last)
         frames = chain.poses(positions[sample : sample + 1])[0]
-        for carried in chain.carried:
+        for link, frame in chain.frames.items():
             expected = np.eye(4)
-            if carried.frame >= 0:
-                expected[:3] = frames[carried.frame]
-            np.testing.assert_allclose(world[carried.link], expected @ carried.pose, atol=1e-9)
+            if frame >= 0:
+                expected[:3] = frames[frame]
+            np.testing.assert_allclose(world[link], expected @ chain.places[link], atol=1e-9)

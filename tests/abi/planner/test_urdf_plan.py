@@ -65,12 +65,13 @@ def link_points(one: UrdfArm, positions: FloatArray) -> FloatArray:
     """Corners of all links that move, at joint positions (k, n), [unit], world."""
     poses = one.chain.poses(positions / one.scales)
     found = []
-    for carried in one.chain.carried:
-        for shape in one.chain.robot.links[carried.link].shapes:
-            if carried.frame >= 0 and shape.kind == "mesh":
+    for link, frame in one.chain.frames.items():
+        place = one.chain.places[link]
+        for shape in one.chain.robot.links[link].shapes:
+            if frame >= 0 and shape.kind == "mesh":
                 own = shape.vertices[::7] @ shape.pose[:3, :3].T + shape.pose[:3, 3]
-                own = own @ carried.pose[:3, :3].T + carried.pose[:3, 3]
-                pose = poses[:, carried.frame]
+                own = own @ place[:3, :3].T + place[:3, 3]
+                pose = poses[:, frame]
                 found.append(np.einsum("kij,nj->kni", pose[:, :, :3], own) + pose[:, None, :, 3])
     return np.concatenate(found, axis=1) / one.metres
 

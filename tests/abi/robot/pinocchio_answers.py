@@ -78,12 +78,13 @@ def differences(chain: Chain, answers: Answers) -> dict[str, float]:
 def _links(chain: Chain, poses: FloatArray) -> FloatArray:
     """Poses (k, links, 3, 4) of the links, in the order in which the chain carries them."""
     found = []
-    for one in chain.carried:
-        if one.frame < 0:
-            found.append(np.broadcast_to(one.pose[:3], (len(poses), 3, 4)))
+    for link, frame in chain.frames.items():
+        pose = chain.places[link][:3]
+        if frame < 0:
+            found.append(np.broadcast_to(pose, (len(poses), 3, 4)))
         else:
-            turn, place = poses[:, one.frame, :, :3], poses[:, one.frame, :, 3:]
-            found.append(turn @ one.pose[:3] + place * np.array([0.0, 0.0, 0.0, 1.0]))
+            turn, place = poses[:, frame, :, :3], poses[:, frame, :, 3:]
+            found.append(turn @ pose + place * np.array([0.0, 0.0, 0.0, 1.0]))
     return np.stack(found, axis=1)
 
 

@@ -209,7 +209,7 @@ def test_planner_and_verifier_find_the_same_links_joined(seed: int) -> None:
     names = tuple(one.name for one in robot.joints if one.kind != "fixed" and not one.mimic)
     assume(names)
     chain, exact = Chain.moved_by(robot, names), exact_joints(robot, names, (0, 0, 0), 1)
-    frames = {one.link: one.frame for one in chain.carried}
+    frames = chain.frames
     for first, second in itertools.combinations(robot.links, 2):
         reason = tree_reason(chain, (first, second), (frames[first], frames[second]))
         assert (reason == "adjacent") == are_joined(robot, exact, first, second)
@@ -218,7 +218,7 @@ def test_planner_and_verifier_find_the_same_links_joined(seed: int) -> None:
 def test_what_is_fixed_beside_a_joint_is_no_neighbour_of_what_it_moves() -> None:
     robot = robot_from_archive(packed({"a.urdf": RAIL}))
     chain = Chain.moved_by(robot, ("rail", "turn"))
-    frames = {one.link: one.frame for one in chain.carried}
+    frames = chain.frames
 
     def reason(*links: str) -> object:
         return tree_reason(chain, (links[0], links[1]), (frames[links[0]], frames[links[1]]))

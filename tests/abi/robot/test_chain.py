@@ -41,12 +41,13 @@ def test_a_turned_base_turns_all_of_the_chain() -> None:
     expected = rotation(wxyz) @ expected
     expected[..., 3] += BASE
     np.testing.assert_allclose(hangs.poses(positions), expected, atol=1e-12)
-    for before, after in zip(stands.carried, hangs.carried, strict=True):
-        turned = np.array(before.pose)
-        if before.frame < 0:
+    assert stands.frames == hangs.frames
+    for link, frame in stands.frames.items():
+        turned = np.array(stands.places[link])
+        if frame < 0:
             turned[:3, :3] = rotation(wxyz) @ turned[:3, :3]
             turned[:3, 3] = rotation(wxyz) @ (turned[:3, 3] - BASE) + BASE
-        np.testing.assert_allclose(after.pose, turned, atol=1e-12)
+        np.testing.assert_allclose(hangs.places[link], turned, atol=1e-12)
 
 
 def random_positions(one: Chain, count: int, seed: int = 0) -> FloatArray:
@@ -87,12 +88,12 @@ def test_every_link_is_where_yourdfpy_has_it(name: str) -> None:
     for q, found in zip(positions, poses, strict=True):
         state = {**one.held, **dict(zip(one.names, q.tolist(), strict=True))}
         robot.update_cfg({name: state[name] for name in robot.actuated_joint_names})
-        for carried in one.carried:
-            expected = robot.get_transform(carried.link)[:3].copy()
+        for link, number in one.frames.items():
+            expected = robot.get_transform(link)[:3].copy()
             expected[:, 3] += BASE
-            frame = carried.pose
-            if carried.frame >= 0:
-                frame = np.vstack([found[carried.frame], [0, 0, 0, 1]]) @ carried.pose
+            frame = one.places[link]
+            if number >= 0:
+                frame = np.vstack([found[number], [0, 0, 0, 1]]) @ frame
             np.testing.assert_allclose(frame[:3], expected, atol=1e-12)
 
 
@@ -117,11 +118,11 @@ def test_every_link_of_a_random_robot_is_where_its_file_says(seed: int) -> None:
             state = {**rest, **held, **dict(zip(one.names, q.tolist(), strict=True))}
             poses = one.poses(q[None])[0]
             truth = link_poses(made, state)
-            assert {carried.link for carried in one.carried} == {*truth}
-            for carried in one.carried:
-                frame, expected = carried.pose, truth[carried.link]
-                if carried.frame >= 0:
-                    frame = np.vstack([poses[carried.frame], [0, 0, 0, 1]]) @ frame
+            assert one.frames.keys() == truth.keys()
+            for link, number in one.frames.items():
+                frame, expected = one.places[link], truth[link]
+                if number >= 0:
+                    frame = np.vstack([poses[number], [0, 0, 0, 1]]) @ frame
                 expected[:3, 3] += BASE
                 np.testing.assert_allclose(frame, expected, atol=1e-9 * (1 + one.table.reach))
 

@@ -30,10 +30,10 @@ def bodies(one: Chain, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArra
     """Mass, centre, orientation and inertia of every moved link at one position, in the world."""
     poses = one.poses(q[None])[0]
     masses, centres, turns, inertias = [], [], [], []
-    for carried in one.carried:
-        link = one.robot.links[carried.link]
-        if carried.frame >= 0:
-            pose = np.vstack([poses[carried.frame], [0, 0, 0, 1]]) @ carried.pose
+    for name, frame in one.frames.items():
+        link = one.robot.links[name]
+        if frame >= 0:
+            pose = np.vstack([poses[frame], [0, 0, 0, 1]]) @ one.places[name]
             masses.append(link.mass)
             centres.append(pose[:3, :3] @ link.centre + pose[:3, 3])
             turns.append(pose[:3, :3])

@@ -48,15 +48,14 @@ def test_an_arm_from_any_base_moves_as_in_the_whole(name: str) -> None:
         part = part_from(robot, base)
         chain = Chain.of(part, SHIPPED[name])
         columns = [whole.names.index(one) for one in chain.names]
-        (carried,) = (one for one in whole.carried if one.link == base)
         frame = np.tile(np.eye(4), (len(positions), 1, 1))
-        if carried.frame >= 0:
-            frame[:, :3] = standing[:, carried.frame]
-        frame = frame @ carried.pose
+        if whole.frames[base] >= 0:
+            frame[:, :3] = standing[:, whole.frames[base]]
+        frame = frame @ whole.places[base]
         tips = frame[:, :3, :3] @ chain.poses(positions[:, columns])[:, -1]
         tips[..., 3] += frame[:, :3, 3]
         np.testing.assert_allclose(tips, standing[:, -1], atol=1e-12)
-        assert {one.link for one in chain.carried} == set(part.links)
+        assert set(chain.frames) == set(part.links)
 
 
 def test_bases_that_do_not_work_are_told_from_those_that_do() -> None:
