@@ -17,7 +17,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.pose import Vec3
 from abi.robot.bodies.link_solid import LinkSolid, rotation_of
 from abi.robot.kinematics.inverse_dynamics import joined
-from abi.robot.urdf.urdf_masses import RigidBody
+from abi.robot.urdf.urdf_masses import Masses
 
 DENSITY = 2700.0
 """Density of every solid, [kg/m³]: aluminium."""
@@ -90,7 +90,7 @@ def joint(
     return element
 
 
-def inertia(solids: Iterable[LinkSolid]) -> RigidBody:
+def inertia(solids: Iterable[LinkSolid]) -> Masses:
     """Mass, centre of mass and inertia of the bodies among ``solids``, in the link's frame.
 
     Where solids overlap, they count twice: the shape of a link is for drawing, its masses are
@@ -104,7 +104,7 @@ def inertia(solids: Iterable[LinkSolid]) -> RigidBody:
         if solid.body:
             mass, rotation = _mass(solid), rotation_of(solid.rpy)
             own = rotation @ np.diag(mass * _squared_radii(solid)) @ rotation.T
-            parts.append(RigidBody(mass, np.array(solid.xyz), own))
+            parts.append((mass, np.array(solid.xyz), own))
     return joined(parts)
 
 
@@ -124,7 +124,7 @@ def _squared_radii(solid: LinkSolid) -> FloatArray:
 def _link(name: str, solids: Sequence[LinkSolid]) -> etree._Element:
     link = etree.Element("link", name=name)
     if solids:
-        _add_inertia(link, inertia(solids))
+        _add_inertia(link, *inertia(solids))
     for solid in solids:
         _add_solid(etree.SubElement(link, "visual"), solid)
         etree.SubElement(link[-1], "material", name=solid.material)
@@ -134,11 +134,11 @@ def _link(name: str, solids: Sequence[LinkSolid]) -> etree._Element:
     return link
 
 
-def _add_inertia(link: etree._Element, body: RigidBody) -> None:
-    tensor = np.where(np.abs(body.inertia) < 1e-12 * np.trace(body.inertia), 0.0, body.inertia)
+def _add_inertia(link: etree._Element, mass: float, centre: FloatArray, tensor: FloatArray) -> None:
+    tensor = np.where(np.abs(tensor) < 1e-12 * np.trace(tensor), 0.0, tensor)
     inertial = etree.SubElement(link, "inertial")
-    _add_origin(inertial, body.centre)
-    etree.SubElement(inertial, "mass", value=_numbers(body.mass))
+    _add_origin(inertial, centre)
+    etree.SubElement(inertial, "mass", value=_numbers(mass))
     values = map(_numbers, tensor[np.triu_indices(3)])
     etree.SubElement(inertial, "inertia", dict(zip(_INERTIA, values, strict=True)))
 

@@ -14,7 +14,7 @@ import numpy as np
 from abi import arguments
 from abi.arrays import FloatArray
 from abi.robot.kinematics.chain import Chain
-from abi.robot.urdf.urdf_masses import RigidBody
+from abi.robot.urdf.urdf_masses import Masses
 
 GRAVITY = 9.80665
 """Standard gravity, downwards along z, [m/s²]."""
@@ -56,7 +56,7 @@ def joint_torques(
     ground = still, still, np.full_like(still, (0.0, 0.0, GRAVITY))
     motions: list[tuple[FloatArray, FloatArray, FloatArray]] = []
     forces, moments = [], []
-    for m, body in enumerate(bodies):
+    for m, (mass, middle, tensor) in enumerate(bodies):
         before = int(table.before[m])
         omega, alpha, pull = motions[before] if before >= 0 else ground
         if before >= 0:
@@ -69,9 +69,9 @@ def joint_torques(
             omega = omega + rate
         motions.append((omega, alpha, pull))
         turn = turns[:, m]
-        centre = turn @ body.centre
-        inertia = turn @ body.inertia @ turn.swapaxes(1, 2)
-        force = body.mass * (pull + _carried_along(omega, alpha, centre))
+        centre = turn @ middle
+        inertia = turn @ tensor @ turn.swapaxes(1, 2)
+        force = mass * (pull + _carried_along(omega, alpha, centre))
         spin = _times(inertia, alpha) + np.cross(omega, _times(inertia, omega))
         forces.append(force)
         moments.append(spin + np.cross(centre, force))
@@ -105,28 +105,28 @@ def _summed(
     return torques
 
 
-def joined(parts: Sequence[RigidBody]) -> RigidBody:
+def joined(parts: Sequence[Masses]) -> Masses:
     """One body of several, all in the same frame."""
-    masses = np.array([part.mass for part in parts])
-    centres = np.array([part.centre for part in parts]).reshape(-1, 3)
+    masses = np.array([mass for mass, _, _ in parts])
+    centres = np.array([centre for _, centre, _ in parts]).reshape(-1, 3)
     mass, inertia = float(masses.sum()), np.zeros((3, 3))
     centre = masses @ centres / mass if mass > 0 else np.zeros(3)
-    for part, offset in zip(parts, centres - centre, strict=True):
-        inertia += part.inertia
+    for (of_part, _, own), offset in zip(parts, centres - centre, strict=True):
+        inertia += own
         # Steiner's theorem: the part's mass about the common centre
-        inertia += part.mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
-    return RigidBody(mass, centre, inertia)
+        inertia += of_part * (offset @ offset * np.eye(3) - np.outer(offset, offset))
+    return mass, centre, inertia
 
 
-def _bodies(chain: Chain) -> list[RigidBody]:
+def _bodies(chain: Chain) -> list[Masses]:
     """Load of each joint, in its frame."""
-    loads: list[list[RigidBody]] = [[] for _ in chain.joints]
+    loads: list[list[Masses]] = [[] for _ in chain.joints]
     for name, frame in chain.frames.items():
         if frame >= 0:
             link, pose = chain.robot.links[name], chain.places[name]
             turn, origin = pose[:3, :3], pose[:3, 3]
             centre, inertia = turn @ link.centre + origin, turn @ link.inertia @ turn.T
-            loads[frame].append(RigidBody(link.mass, centre, inertia))
+            loads[frame].append((link.mass, centre, inertia))
     return [joined(load) for load in loads]
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
@@ -14,24 +12,14 @@ _ROUNDING = 1e-9
 """Negative moment of inertia that counts as 0, over 1 kg·m²."""
 
 
-class RigidBody(NamedTuple):
-    """Mass of a link, or of several that move as one, in some frame.
+Masses = tuple[float, FloatArray, FloatArray]
+"""Mass of a link, or of several that move as one, [kg]; its centre in a frame, (3,), [m]; and the
+inertia about that, along the axes of the frame, (3, 3), [kg·m²]."""
 
-    Attributes:
-        mass: [kg].
-        centre: of mass, (3,), [m].
-        inertia: about it, along the axes of the frame, (3, 3), [kg·m²].
-    """
-
-    mass: float
-    centre: FloatArray
-    inertia: FloatArray
+WEIGHTLESS: Masses = 0.0, read_only(np.zeros(3)), read_only(np.zeros((3, 3)))
 
 
-WEIGHTLESS = RigidBody(0.0, read_only(np.zeros(3)), read_only(np.zeros((3, 3))))
-
-
-def read_inertial(link: XmlElement) -> RigidBody:
+def read_inertial(link: XmlElement) -> Masses:
     """Read the mass and inertia of a link; none if the file has none.
 
     Raises:
@@ -46,7 +34,7 @@ def read_inertial(link: XmlElement) -> RigidBody:
     pose = inertial.origin()
     turn = pose[:3, :3]
     inertia = turn @ _tensor(inertial) @ turn.T
-    return RigidBody(mass, read_only(pose[:3, 3].copy()), read_only(inertia))
+    return mass, read_only(pose[:3, 3].copy()), read_only(inertia)
 
 
 def has_sense(link: XmlElement) -> bool:
