@@ -215,45 +215,70 @@ class NoJointMotion(StageError):
     """Error if no motion of the arm was found in joint space.
 
     Args:
-        where: ``start`` or ``goal`` if the arm has no clear pose there, ``path`` if the search has
-            found none in its time, ``curve`` if no smooth curve near its path is clear, ``same`` if
-            the joints are at the goal already.
+        where: ``start`` or ``goal`` if the arm has no pose there that will do, ``path`` if the
+            search has found none in its time, ``curve`` if no smooth curve near its path is clear,
+            ``same`` if the joints are at the goal already.
+        message: one sentence on what is wrong.
+        hint: one sentence on what to try.
+        obstacle: index of what a link touches, from 0, or its name.
+        kind: of the error; ``DIRECTION_NOT_HELD`` where the tool's direction is why there is none.
+    """
+
+    def __init__(
+        self,
+        where: str,
+        message: str,
+        hint: str,
+        obstacle: int | str | None = None,
+        kind: str = "no_joint_motion",
+    ) -> None:
+        super().__init__("arm", kind, message, hint, obstacle)
+        self.where = where
+
+
+def no_joint_motion(
+    where: str,
+    link: str = "",
+    obstacle: int | str | None = None,
+    poses: int = 0,
+    samples: int = 0,
+    contact: LinkContact | None = None,
+) -> NoJointMotion:
+    """Error if no motion was found in joint space, whatever the tool's direction.
+
+    Args:
+        where: as of :class:`NoJointMotion`.
         link: link that is in the way at start or goal; empty if no pose was found there.
         obstacle: index of what it touches, from 0, or its name.
         poses: number of poses that were tried there.
         samples: number of random positions that were searched towards.
         contact: whether the link itself touches that; None where it is not known.
     """
-
-    def __init__(
-        self,
-        where: str,
-        link: str = "",
-        obstacle: int | str | None = None,
-        poses: int = 0,
-        samples: int = 0,
-        contact: LinkContact | None = None,
-    ) -> None:
-        message = {
-            "path": "No motion was found in the space of the joints, towards "
-            f"{samples:,} random positions of them.",
-            "curve": "A path was found in the space of the joints, but no smooth curve near it "
-            "along which the arm is proven clear.",
-            "same": "The joints are at the goal already.",
-        }.get(where)
-        if message is None:
-            message = f"No joint positions were found for what is asked at the {where}."
-            if obstacle is not None:
-                tried = "In the first of the" if poses > 1 else "In the"
-                poses_there = f"{poses} poses found" if poses > 1 else "pose asked for"
-                touched = _touched(link, obstacle, contact)
-                message = f"{tried} {poses_there} at the {where} {touched}."
-        hint = "Move an obstacle or the arm's base, or ask for another start or goal."
-        super().__init__("arm", "no_joint_motion", message, hint)
-        self.where, self.obstacle = where, obstacle
+    message = {
+        "path": "No motion was found in the space of the joints, towards "
+        f"{samples:,} random positions of them.",
+        "curve": "A path was found in the space of the joints, but no smooth curve near it "
+        "along which the arm is proven clear.",
+        "same": "The joints are at the goal already.",
+    }.get(where)
+    if message is None:
+        message = f"No joint positions were found for what is asked at the {where}."
+        if obstacle is not None:
+            tried = "In the first of the" if poses > 1 else "In the"
+            poses_there = f"{poses} poses found" if poses > 1 else "pose asked for"
+            touched = _touched(link, obstacle, contact)
+            message = f"{tried} {poses_there} at the {where} {touched}."
+    hint = "Move an obstacle or the arm's base, or ask for another start or goal."
+    return NoJointMotion(where, message, hint, obstacle)
 
 
-class DirectionNotHeld(StageError):
+DIRECTION_NOT_HELD = "direction_not_held"
+"""Kind of :func:`direction_not_held`."""
+
+
+def direction_not_held(
+    where: str, tolerance: float, part: tuple[float, float], angle: float = 0.0
+) -> NoJointMotion:
     """Error if no motion of the arm keeps the direction of its tool as required.
 
     Args:
@@ -263,26 +288,21 @@ class DirectionNotHeld(StageError):
         part: shares of the motion's time between which it is.
         angle: by how much it is off at start or goal, at least, [rad].
     """
-
-    def __init__(
-        self, where: str, tolerance: float, part: tuple[float, float], angle: float = 0.0
-    ) -> None:
-        within = f"{math.degrees(tolerance):.3g}°"
-        begin, end = (f"{100 * share:.3g} %" for share in part)
+    within = f"{math.degrees(tolerance):.3g}°"
+    begin, end = (f"{100 * share:.3g} %" for share in part)
+    message = (
+        f"No motion was found that keeps the gripper within {within} of its direction from "
+        f"{begin} to {end} of its time."
+    )
+    hint = "Allow a larger tolerance (arm.axis.tolerance), or a shorter part of the motion."
+    if where != "path":
         message = (
-            f"No motion was found that keeps the gripper within {within} of its direction from "
-            f"{begin} to {end} of its time."
+            f"At the {where} the gripper is {math.degrees(angle):.3g}° off the direction that "
+            f"it has to keep within {within} there."
         )
-        hint = "Allow a larger tolerance (arm.axis.tolerance), or a shorter part of the motion."
-        if where != "path":
-            message = (
-                f"At the {where} the gripper is {math.degrees(angle):.3g}° off the direction that "
-                f"it has to keep within {within} there."
-            )
-            name = "from" if where == "start" else "to"
-            hint = f"Turn the gripper at the {where}, or let arm.axis.{name} leave the {where} out."
-        super().__init__("arm", "direction_not_held", message, hint)
-        self.where = where
+        name = "from" if where == "start" else "to"
+        hint = f"Turn the gripper at the {where}, or let arm.axis.{name} leave the {where} out."
+    return NoJointMotion(where, message, hint, kind=DIRECTION_NOT_HELD)
 
 
 def _touched(

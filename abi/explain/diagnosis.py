@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from abi.arm_planning.arm_errors import ArmNotClear, DirectionNotHeld
+from abi.arm_planning.arm_errors import DIRECTION_NOT_HELD, ArmNotClear, NoJointMotion
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.curves.bspline import BSpline
 from abi.curves.fit import Fit
@@ -98,8 +98,9 @@ def _reason(scene: Scene, plan: Plan, what_if: WhatIf) -> Reason | None:
         return _not_held(scene, plan.bspline, what_if)
     if isinstance(plan.error, ArmNotClear):
         return arm_reason(scene, plan, plan.error, what_if)
-    if isinstance(plan.error, DirectionNotHeld) and scene.arm.held_axis is not None:
-        return held_direction_reason(scene.arm.held_axis, plan.error, what_if)
+    error, axis = plan.error, scene.arm.held_axis
+    if isinstance(error, NoJointMotion) and error.kind == DIRECTION_NOT_HELD and axis is not None:
+        return held_direction_reason(axis, error, what_if)
     return None
 
 

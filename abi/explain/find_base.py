@@ -16,8 +16,8 @@ from dataclasses import replace
 import numpy as np
 
 from abi.arm_planning.arm_errors import (
+    DIRECTION_NOT_HELD,
     ArmNotClear,
-    DirectionNotHeld,
     NoJointMotion,
     OutOfReach,
 )
@@ -249,13 +249,12 @@ def _reason(error: StageError) -> tuple[str, int]:
     """An error of the arm in a few words, and the last stage reached."""
     if isinstance(error, OutOfReach):
         return "out of reach on the way", 0
-    if not isinstance(error, ArmNotClear | NoJointMotion | DirectionNotHeld):
+    if not isinstance(error, ArmNotClear | NoJointMotion):
         return error.kind.replace("_", " "), 0
-    turned = isinstance(error, DirectionNotHeld)
+    turned = error.kind == DIRECTION_NOT_HELD
     rank = _RANKS[error.where]
     if error.where in ("start", "goal"):
-        blocked = not isinstance(error, DirectionNotHeld) and error.obstacle is not None
-        what = "a link in the way" if blocked else "out of reach"
+        what = "out of reach" if error.obstacle is None else "a link in the way"
         return f"{'the direction not kept' if turned else what} at the {error.where}", rank
     if turned:
         return "no motion that keeps the direction", rank

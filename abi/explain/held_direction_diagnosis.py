@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from abi.arm_planning.arm_errors import DirectionNotHeld
+from abi.arm_planning.arm_errors import NoJointMotion
 from abi.arrays import read_only
 from abi.explain.reason import Reason
 from abi.explain.what_if import WhatIf
@@ -20,7 +20,7 @@ _WIDER = (2.0, 4.0)
 """Multiples of the tolerance."""
 
 
-def held_direction_reason(axis: HeldAxis, error: DirectionNotHeld, what_if: WhatIf) -> Reason:
+def held_direction_reason(axis: HeldAxis, error: NoJointMotion, what_if: WhatIf) -> Reason:
     """Find a change that helps: a later begin, an earlier end, or a larger tolerance.
 
     Args:

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from abi.arm_planning.arm_errors import NoJointMotion
+from abi.arm_planning.arm_errors import no_joint_motion
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.tool_poses import tool_poses
 from abi.arm_planning.motion.arm_clearance import named
@@ -46,7 +46,7 @@ def clear_end_poses(
     arm, around = space.arm, space.collision_world
     poses = _poses(arm, scene, end)
     if not len(poses):
-        raise NoJointMotion(end)
+        raise no_joint_motion(end)
     kept: list[FloatArray] = []
     first: tuple[FloatArray, int, int] | None = None
     for pose in poses:
@@ -68,7 +68,7 @@ def clear_end_poses(
         pose, capsule, number = first
         pair = arm.capsule_links[capsule], named(number, arm)
         contact = link_contact(arm, around, pose, pair, space.margin)
-        raise NoJointMotion(end, *pair, len(poses), contact=contact)
+        raise no_joint_motion(end, *pair, len(poses), contact=contact)
     return np.array(kept)
 
 

@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from abi.arm_planning.arm_errors import DirectionNotHeld, NoJointMotion
+from abi.arm_planning.arm_errors import direction_not_held, no_joint_motion
 from abi.arm_planning.joint_search.held_direction import HeldDirection
 from abi.arm_planning.joint_search.held_path import path_holding
 from abi.arm_planning.joint_search.held_search import HeldSearch
@@ -61,8 +61,7 @@ def move_holding(
         effort: how long to search.
 
     Raises:
-        DirectionNotHeld: none was found.
-        NoJointMotion: the joints are at the goal already.
+        NoJointMotion: none was found, or the joints are at the goal already.
     """
     held, (starts, goals) = HeldSearch(space, hold), ends
     starts = _aligned(hold, "start", starts) if hold.begin == 0 else starts
@@ -74,7 +73,7 @@ def move_holding(
         found = _between(hold, held, scene, pair, efforts)
         if found is not None:
             return found
-    raise DirectionNotHeld("path", hold.tolerance, (hold.begin, hold.end))
+    raise direction_not_held("path", hold.tolerance, (hold.begin, hold.end))
 
 
 def _between(
@@ -87,7 +86,7 @@ def _between(
     """Plan of a motion from a start to a goal, (1, n) each; None where no effort leads to one."""
     asked, space = (hold.begin, hold.end), held.space
     if (pair[0] == pair[1]).all():
-        raise NoJointMotion("same")
+        raise no_joint_motion("same")
     for effort in efforts:
         found = path_holding(held, asked, *pair, effort)
         if found is None:
@@ -127,11 +126,11 @@ def _aligned(hold: HeldDirection, end: str, poses: FloatArray) -> FloatArray:
     """Those joint positions (k, n) that keep the direction.
 
     Raises:
-        DirectionNotHeld: there are none.
+        NoJointMotion: there are none.
     """
     angles, tolerance = hold.angles(poses), hold.tolerance
     if angles.min() > tolerance:
-        raise DirectionNotHeld(end, tolerance, (hold.begin, hold.end), float(angles.min()))
+        raise direction_not_held(end, tolerance, (hold.begin, hold.end), float(angles.min()))
     return np.asarray(poses[angles <= tolerance])
 
 

@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from abi import progress
-from abi.arm_planning.arm_errors import NoJointMotion
+from abi.arm_planning.arm_errors import no_joint_motion
 from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.branch.segment_memory import SegmentMemory
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
@@ -99,8 +99,7 @@ class JointSpaceMotions:
             A plan of what was found there and the motion along a smooth curve near its path alone.
 
         Raises:
-            NoJointMotion: none was found; tells why.
-            DirectionNotHeld: none was found that keeps the direction of the tool.
+            NoJointMotion: none was found, or none that keeps the direction of the tool; tells why.
         """
         progress.tell("searching in the space of the joints")
         if arm is not self._arm:
@@ -114,16 +113,16 @@ class JointSpaceMotions:
             return move_holding(part, space, scene, (starts, goals), effort)
         search = self._search(space, starts, goals, effort, hasty)
         if search.path is None:
-            raise NoJointMotion("path", samples=search.samples)
+            raise no_joint_motion("path", samples=search.samples)
         if search.length == 0:
-            raise NoJointMotion("same")
+            raise no_joint_motion("same")
         passage = self._passage(space, search.path, hasty)
         profile = self._profile(passage, scene.motion)
         count = sample_count(profile, scene.motion)
         around = collision_world, scene.arm.clearance
         motion, clearance = proven_motion(passage, profile, count, *around)
         if not is_clear(motion, clearance):
-            raise NoJointMotion("curve")
+            raise no_joint_motion("curve")
         return Plan(
             scene, profile=profile, motion=motion, arm_clearance=clearance, joint_search=search
         )
@@ -158,7 +157,7 @@ class JointSpaceMotions:
                 return self._passage_of(spline, space.arm)
         found = spline_near(space, path)
         if found is None:
-            raise NoJointMotion("curve")
+            raise no_joint_motion("curve")
         self._last = path, found
         return self._passage_of(found, space.arm)
 

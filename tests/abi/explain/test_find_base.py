@@ -11,9 +11,9 @@ import pytest
 import abi
 from abi.arm_planning.arm_errors import (
     ArmNotClear,
-    DirectionNotHeld,
-    NoJointMotion,
     OutOfReach,
+    direction_not_held,
+    no_joint_motion,
 )
 from abi.errors import StageError
 from abi.explain.base_map import BaseMap, BaseTrial
@@ -96,13 +96,13 @@ def test_reasons_are_counted(found: BaseMap) -> None:
     [
         (OutOfReach(0.0, 1.0, 0.1, None), "out of reach on the way"),
         (ArmNotClear("Here", "goal", "a", 0), "a link in the way at the goal"),
-        (NoJointMotion("goal", "a", 0), "a link in the way at the goal"),
-        (NoJointMotion("start"), "out of reach at the start"),
-        (NoJointMotion("path"), "no path for the whole arm"),
-        (NoJointMotion("curve"), "no curve proven clear"),
-        (NoJointMotion("same"), "the joints at the goal already"),
-        (DirectionNotHeld("start", 0.1, (0.0, 1.0)), "the direction not kept at the start"),
-        (DirectionNotHeld("path", 0.1, (0.0, 1.0)), "no motion that keeps the direction"),
+        (no_joint_motion("goal", "a", 0), "a link in the way at the goal"),
+        (no_joint_motion("start"), "out of reach at the start"),
+        (no_joint_motion("path"), "no path for the whole arm"),
+        (no_joint_motion("curve"), "no curve proven clear"),
+        (no_joint_motion("same"), "the joints at the goal already"),
+        (direction_not_held("start", 0.1, (0.0, 1.0)), "the direction not kept at the start"),
+        (direction_not_held("path", 0.1, (0.0, 1.0)), "no motion that keeps the direction"),
         (StageError("timing", "too_slow", "Slow.", "Go."), "too slow"),
     ],
 )
