@@ -66,7 +66,17 @@ class Unreached(NamedTuple):
         return format_length(value) if self.slides else f"{math.degrees(value):.1f}°"
 
 
-class OutOfReach(StageError):
+OUT_OF_REACH = "out_of_reach"
+"""Kind of :func:`out_of_reach`."""
+
+
+def out_of_reach(
+    first: float,
+    last: float,
+    shortfall: float,
+    too_near: bool | None,
+    slide: tuple[float, float] | None = None,
+) -> StageError:
     """Error for a stretch of the curve that the arm cannot reach or follow.
 
     Args:
@@ -78,41 +88,28 @@ class OutOfReach(StageError):
         slide: extension of the slide q5 at that time and its limit, [unit], if it is past the limit
             and so makes the forearm too long or too short.
     """
-
-    def __init__(
-        self,
-        first: float,
-        last: float,
-        shortfall: float,
-        too_near: bool | None,
-        slide: tuple[float, float] | None = None,
-    ) -> None:
-        times, far = f"{first:.2f} s to {last:.2f} s", f"by up to {format_length(shortfall)}"
-        place = "too near to the shoulder" if too_near else "too far away"
-        message = f"The arm cannot reach the curve from {times}: it is {place}, {far}."
-        hint = (
-            "Move the base away from the curve, or make the upper arm as long as forearm and slide "
-            "together."
-            if too_near
-            else "Move the base nearer, or lengthen upper arm, forearm or slide."
+    times, far = f"{first:.2f} s to {last:.2f} s", f"by up to {format_length(shortfall)}"
+    place = "too near to the shoulder" if too_near else "too far away"
+    message = f"The arm cannot reach the curve from {times}: it is {place}, {far}."
+    hint = (
+        "Move the base away from the curve, or make the upper arm as long as forearm and slide "
+        "together."
+        if too_near
+        else "Move the base nearer, or lengthen upper arm, forearm or slide."
+    )
+    if too_near is None:
+        message = (
+            f"From t = {times} the arm cannot follow the curve: out of reach or past a joint's "
+            f"limit {far}."
         )
-        if too_near is None:
-            message = (
-                f"From t = {times} the arm cannot follow the curve: out of reach or past a joint's "
-                f"limit {far}."
-            )
-            hint = "Move the base nearer, or leave the direction of the gripper free."
-        elif slide is not None:
-            extension, limit = slide
-            hint = (
-                f"The slide would run to {format_length(extension)}, and it ends at "
-                f"{format_length(limit)}: go faster, or set the slide's force to 0."
-            )
-        super().__init__("arm", "out_of_reach", message, hint)
-        self.first = first
-        self.last = last
-        self.shortfall = shortfall
-        self.slide = slide
+        hint = "Move the base nearer, or leave the direction of the gripper free."
+    elif slide is not None:
+        extension, limit = slide
+        hint = (
+            f"The slide would run to {format_length(extension)}, and it ends at "
+            f"{format_length(limit)}: go faster, or set the slide's force to 0."
+        )
+    return StageError("arm", OUT_OF_REACH, message, hint)
 
 
 class ArmNotClear(StageError):

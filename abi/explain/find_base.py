@@ -17,9 +17,9 @@ import numpy as np
 
 from abi.arm_planning.arm_errors import (
     DIRECTION_NOT_HELD,
+    OUT_OF_REACH,
     ArmNotClear,
     NoJointMotion,
-    OutOfReach,
 )
 from abi.arrays import FloatArray
 from abi.errors import SceneError, StageError
@@ -247,7 +247,7 @@ def _fault(plan: Plan) -> tuple[str, int]:
 
 def _reason(error: StageError) -> tuple[str, int]:
     """An error of the arm in a few words, and the last stage reached."""
-    if isinstance(error, OutOfReach):
+    if error.kind == OUT_OF_REACH:
         return "out of reach on the way", 0
     if not isinstance(error, ArmNotClear | NoJointMotion):
         return error.kind.replace("_", " "), 0

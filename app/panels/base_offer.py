@@ -6,7 +6,7 @@ are in stage 6.
 
 from __future__ import annotations
 
-from abi.arm_planning.arm_errors import ArmNotClear, OutOfReach
+from abi.arm_planning.arm_errors import OUT_OF_REACH, ArmNotClear
 from app.panels.stages.find_base import FindBasePanel
 from app.state.frame import Frame
 from app.ui.numbers import format_length, format_setting
@@ -79,6 +79,6 @@ def _may_help(frame: Frame) -> bool:
         if reason is None:
             return False
         return reason.change is None or "arm" in reason.change or reason.moved is not None
-    if frame.interactive:
+    if frame.interactive or error is None or error.kind != OUT_OF_REACH:
         return False
-    return isinstance(error, OutOfReach) and error.slide is None
+    return frame.plan.motion is None or frame.plan.motion.slide_at_fault is None

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from abi import Scene
-from abi.arm_planning.arm_errors import ArmNotClear, OutOfReach
+from abi.arm_planning.arm_errors import ArmNotClear, out_of_reach
 from abi.errors import (
     AbiError,
     NoPath,
@@ -26,9 +26,9 @@ ERRORS = [
     NoPath(np.arange(3, dtype=np.int32), 1234, 1.299),
     clearance_not_held(0.2, -0.08453),
     clearance_not_held(0.2, 0.1234567),
-    OutOfReach(0.5, 1.25, 0.7654321, True),
-    OutOfReach(0.5, 1.25, 0.7654321, False, (12.3456, 2.4)),
-    OutOfReach(0.5, 1.25, 0.7654321, None),
+    out_of_reach(0.5, 1.25, 0.7654321, True),
+    out_of_reach(0.5, 1.25, 0.7654321, False, (12.3456, 2.4)),
+    out_of_reach(0.5, 1.25, 0.7654321, None),
 ]
 
 

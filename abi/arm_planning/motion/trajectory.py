@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from abi.arm_planning.arm_errors import OutOfReach
+from abi.arm_planning.arm_errors import out_of_reach
 from abi.arm_planning.certificates.paper_arm_certificate import slide_bounds
 from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
 from abi.arm_planning.motion.tool_motion import tool_samples
@@ -21,6 +21,7 @@ from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.curves.cubic_profile import PathProfile
 from abi.curves.curve import ArcLength, Curve
+from abi.errors import StageError
 from abi.obstacles.pose import Vec3
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import JOINTS, SLIDES, PaperArm, forward
@@ -141,22 +142,28 @@ class ArmMotion(ShortRepr):
         return not self.limit_violations
 
     @property
-    def error(self) -> OutOfReach | None:
+    def slide_at_fault(self) -> Violation | None:
+        """Where q5 passes its limit before the worst stretch out of reach ends; None if nowhere."""
+        if not self.unreachable or self.joints != JOINTS:
+            return None
+        last, slides = self._worst.last, (one for one in self.limit_violations if one.joint == "q5")
+        return next((one for one in slides if one.since <= last), None)
+
+    @property
+    def _worst(self) -> Stretch:
+        return max(self.unreachable, key=lambda stretch: abs(stretch.shortfall))
+
+    @property
+    def error(self) -> StageError | None:
         """Error for the worst stretch out of reach; None if there is none."""
         if not self.unreachable:
             return None
-        worst = max(self.unreachable, key=lambda stretch: abs(stretch.shortfall))
+        worst, past = self._worst, self.slide_at_fault
         if self.joints != JOINTS:
-            return OutOfReach(worst.first, worst.last, worst.shortfall, None)
-        slide = next(
-            (
-                (violation.value, violation.limit)
-                for violation in self.limit_violations
-                if violation.joint == "q5" and violation.since <= worst.last
-            ),
-            None,
-        )
-        return OutOfReach(worst.first, worst.last, abs(worst.shortfall), worst.shortfall < 0, slide)
+            return out_of_reach(worst.first, worst.last, worst.shortfall, None)
+        slide = None if past is None else (past.value, past.limit)
+        side = abs(worst.shortfall), worst.shortfall < 0
+        return out_of_reach(worst.first, worst.last, *side, slide)
 
 
 def follow(

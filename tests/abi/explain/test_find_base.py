@@ -11,9 +11,9 @@ import pytest
 import abi
 from abi.arm_planning.arm_errors import (
     ArmNotClear,
-    OutOfReach,
     direction_not_held,
     no_joint_motion,
+    out_of_reach,
 )
 from abi.errors import StageError
 from abi.explain.base_map import BaseMap, BaseTrial
@@ -94,7 +94,7 @@ def test_reasons_are_counted(found: BaseMap) -> None:
 @pytest.mark.parametrize(
     ("error", "reason"),
     [
-        (OutOfReach(0.0, 1.0, 0.1, None), "out of reach on the way"),
+        (out_of_reach(0.0, 1.0, 0.1, None), "out of reach on the way"),
         (ArmNotClear("Here", "goal", "a", 0), "a link in the way at the goal"),
         (no_joint_motion("goal", "a", 0), "a link in the way at the goal"),
         (no_joint_motion("start"), "out of reach at the start"),
