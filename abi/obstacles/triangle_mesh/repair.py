@@ -101,7 +101,7 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     if parts > 1:
         layers = layers_of(vertices, faces, number)
         layer, plain = layers[number], int((layers == 0).sum())
-        solids = [faces[layer == k] for k in range(int(layers.max()) + 1)]
+        solids = [faces[layer == k] for k in range(max(int(layers.max()) + 1, 1))]
         sheets, parts = np.concatenate([sheets, faces[layer < 0]]), int((layers >= 0).sum())
         merged = united(vertices, solids[0], number[layer == 0], _MOST) if plain > 1 else None
         if merged is not None:

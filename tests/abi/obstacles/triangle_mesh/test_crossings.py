@@ -81,12 +81,13 @@ def test_shells_are_in_layers_of_their_own_only_where_they_are_near_each_other()
     assert layers_of(*meshes.joined(*parts), label).tolist() == [1, 1, 1, 2, 0]
 
 
+@pytest.mark.parametrize("more", [[], [meshes.box((8, 2, 2))]])
 def test_shells_that_cross_themselves_are_in_no_layer_where_too_many_are_near_each_other(
-    monkeypatch: pytest.MonkeyPatch,
+    more: list[meshes.Mesh], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(crossings, "_MOST_NEAR", 1)
-    parts = [*(spiked((0.03, 0.02, -3), (k, 0, 0)) for k in range(3)), meshes.box((8, 2, 2))]
+    parts = [*(spiked((0.03, 0.02, -3), (k, 0, 0)) for k in range(3)), *more]
     surface = clean(*meshes.joined(*parts))
     points = np.random.default_rng(0).uniform((-4, -1, -1), (4, 1, 1), (200, 3))
-    assert is_solid(surface, points).all()
+    assert is_solid(surface, points).all() == surface.closed == (len(more) > 0)
     assert any("thin shell" in note for note in surface.notes)
