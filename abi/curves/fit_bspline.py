@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from abi import arguments
@@ -21,32 +19,6 @@ _PUSHES = 3  # in a row, before the polygon is refined
 _LEAST_GAIN = 0.3  # of a push that is kept, as a part of the missing clearance
 _REFINEMENTS = 3  # of a near miss
 _SAMPLES = 8  # in each stretch that is too near
-
-
-@dataclass(frozen=True, eq=False)
-class _Goal:
-    """Goal of pushing and refining a curve.
-
-    Attributes:
-        obstacles: to keep clear of.
-        clearance: distance to keep, [unit].
-        polygon_clearance: distance that the control polygon keeps while points are pushed, [unit].
-        tolerance: of the curve's measured distance, [unit].
-    """
-
-    obstacles: ObstacleSet
-    clearance: float
-    polygon_clearance: float
-    tolerance: float
-
-    @property
-    def aim(self) -> float:
-        """Distance that pushes aim at, a little above the clearance, [unit]."""
-        return self.clearance + 2 * self.tolerance
-
-    def measure(self, spline: BSpline) -> Clearance:
-        """Clearance of the curve, with the stretches nearer than the aim."""
-        return curve_clearance(spline, self.obstacles, self.aim, self.tolerance)
 
 
 def fit(
@@ -102,70 +74,98 @@ def fit(
     # and the measurement an eighth.
     tolerance = max(gap / 8, clearance_tolerance(direct.extent))
     least = clearance + min(0.0, gap - 2 * tolerance)
-    goal = _Goal(obstacles, least, clearance + min(gap, gap / 2), tolerance)
-    cleared = _cleared(direct, goal, _PUSHES)
+    of_polygon = clearance + min(gap, gap / 2)
+    cleared = _cleared(direct, obstacles, least, of_polygon, tolerance)
     longest = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
     if cleared.moved and arc_length(cleared).length > longest:
-        cleared = _cleared(direct, goal, 0)
+        cleared = _cleared(direct, obstacles, least, of_polygon, tolerance, most_pushes=0)
     if fitted is None or cleared is not direct:
         fitted = proven_fit(cleared, cleared.extent, obstacles, clearance)
-    return fitted if gap < -ROUNDING else _finished(fitted, goal, longest)
+    # near a mesh, whose distance is not convex, measuring more finely takes seconds
+    if fitted.holds or gap < -ROUNDING or not obstacles.all_convex:
+        return fitted
+    return _finished(fitted, obstacles, of_polygon, tolerance, longest)
 
 
-def _finished(fitted: Fit[BSpline], goal: _Goal, longest: float) -> Fit[BSpline]:
+def _finished(
+    fitted: Fit[BSpline],
+    obstacles: ObstacleSet,
+    of_polygon: float,
+    tolerance: float,
+    longest: float,
+) -> Fit[BSpline]:
     """Move a curve that misses the clearance by no more than the tolerance in finer steps.
 
-    That happens where the path keeps just the clearance, or the end of a rounding.
+    That happens where the path keeps just the clearance, or the end of a rounding. Of several
+    arguments see :func:`_cleared`; the curve gets no longer than ``longest``, [unit].
     """
-    # near a mesh, whose distance is not convex, measuring that finely takes seconds
-    if fitted.holds or not goal.obstacles.all_convex:
-        return fitted
     required, finer = fitted.required, fitted
     for _ in range(_REFINEMENTS):
-        if finer.holds or finer.clearance.nearest < required - 4 * goal.tolerance:
+        if finer.holds or finer.clearance.nearest < required - 4 * tolerance:
             break
-        tolerance = goal.tolerance / 16
-        goal = replace(goal, clearance=required - 2 * tolerance, tolerance=tolerance)
-        cleared = _cleared(finer.curve, goal, _PUSHES)
+        tolerance /= 16
+        least = required - 2 * tolerance
+        cleared = _cleared(finer.curve, obstacles, least, of_polygon, tolerance)
         if cleared is not finer.curve:
-            finer = proven_fit(cleared, cleared.extent, goal.obstacles, required)
+            finer = proven_fit(cleared, cleared.extent, obstacles, required)
     return finer if finer.holds and finer.arc.length <= longest else fitted
 
 
-def _cleared(spline: BSpline, goal: _Goal, most_pushes: int) -> BSpline:
-    """Push and refine until the clearance is kept; otherwise the clearest curve seen."""
-    measured = goal.measure(spline)
+def _cleared(
+    spline: BSpline,
+    obstacles: ObstacleSet,
+    least: float,
+    of_polygon: float,
+    tolerance: float,
+    most_pushes: int = _PUSHES,
+) -> BSpline:
+    """Push and refine until the clearance is kept; otherwise the clearest curve seen.
+
+    Args:
+        spline: to begin with.
+        obstacles: to keep clear of.
+        least: distance to keep, [unit].
+        of_polygon: distance that the control polygon keeps while points are pushed, [unit].
+        tolerance: of the curve's measured distance, [unit].
+        most_pushes: in a row, before the polygon is refined.
+    """
+    # pushes aim at a little more; stretches nearer than that are measured
+    aim = least + 2 * tolerance
+    measured = curve_clearance(spline, obstacles, aim, tolerance)
     best, best_distance = spline, measured.distance
     box = (spline.control_points.min(axis=0), spline.control_points.max(axis=0))
     pushes = 0
     for _ in range(_ROUNDS):
-        if measured.distance >= goal.clearance or spline.inserted > _MOST_INSERTED:
+        if measured.distance >= least or spline.inserted > _MOST_INSERTED:
             break
-        enough = measured.distance + _LEAST_GAIN * (goal.clearance - measured.distance)
-        pushed = _pushed(spline, measured, goal, box) if pushes < most_pushes else None
-        if (
-            pushed
-            and goal.obstacles.polyline_clearance(pushed.control_points) < goal.polygon_clearance
-        ):
+        enough = measured.distance + _LEAST_GAIN * (least - measured.distance)
+        pushed = None
+        if pushes < most_pushes:
+            pushed = _pushed(spline, measured, obstacles, aim, box)
+        if pushed and obstacles.polyline_clearance(pushed.control_points) < of_polygon:
             pushed = None
-        trial = goal.measure(pushed) if pushed else measured
+        trial = curve_clearance(pushed, obstacles, aim, tolerance) if pushed else measured
         if pushed and trial.distance > enough:
             spline, measured, pushes = pushed, trial, pushes + 1
         else:
             spline, pushes = _refined(spline, measured), 0
-            measured = goal.measure(spline)
+            measured = curve_clearance(spline, obstacles, aim, tolerance)
         if measured.distance > best_distance:
             best, best_distance = spline, measured.distance
     return best
 
 
 def _pushed(
-    spline: BSpline, measured: Clearance, goal: _Goal, box: tuple[FloatArray, FloatArray]
+    spline: BSpline,
+    measured: Clearance,
+    obstacles: ObstacleSet,
+    aim: float,
+    box: tuple[FloatArray, FloatArray],
 ) -> BSpline:
     """Move the inner control points outwards, within ``box``, to lift the curve to the aim."""
     parameters = np.linspace(*_failing(measured), _SAMPLES).ravel()
-    distance, gradient = goal.obstacles.signed_distance_gradient(spline(parameters))
-    lift = gradient * np.maximum(goal.aim - distance, 0)[:, None]
+    distance, gradient = obstacles.signed_distance_gradient(spline(parameters))
+    lift = gradient * np.maximum(aim - distance, 0)[:, None]
     influence = spline.influence(parameters)[:, 1:-1]
     # The steepest way to lift all samples at once: neighbours move alike, so that the polygon
     # stays smooth. The step is the one that lifts the worst sample as far as it needs.
