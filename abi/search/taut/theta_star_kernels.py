@@ -10,7 +10,6 @@ one. Start and goal are its last two nodes.
 from __future__ import annotations
 
 import heapq
-from typing import NamedTuple
 
 import numpy as np
 
@@ -35,22 +34,8 @@ from abi.tet_mesh.adjacency_kernels import (
 _POINT = (0.0, 0.0, 0.0)
 
 
-class _SearchTree(NamedTuple):
-    """The nodes that are searched, each (n,), and the paths to them; start and goal are the last.
-
-    Attributes:
-        x, y, z: places, [unit], world.
-        closed: 1 where a node was expanded or does not count.
-        cost: length from the start, [unit].
-        parent: node ids.
-    """
-
-    x: FloatArray
-    y: FloatArray
-    z: FloatArray
-    closed: ByteArray
-    cost: FloatArray
-    parent: IntArray
+_Places = tuple[FloatArray, FloatArray, FloatArray]
+"""Coordinates x, y and z, (n,) each, [unit], world, of the nodes that are searched."""
 
 
 @jitable
@@ -77,14 +62,14 @@ def _fine(shape: MeshSizes, coarse: MeshSizes, stride: int, node: int) -> tuple[
 
 
 @jitable
-def _tree(
+def _places(
     adjacency: Adjacency,
     coarse: MeshSizes,
     stride: int,
     excluded: BoolArray,
     ends: tuple[Vec3, Vec3],
-) -> _SearchTree:
-    """Labels of all nodes before the search: only the start has a cost."""
+) -> tuple[FloatArray, FloatArray, FloatArray, ByteArray]:
+    """Places x, y, z of all nodes, start and goal the last, and 1 for those that do not count."""
     shape, _, _, places, _, _ = adjacency
     y0, z0 = y_and_z_origins(shape)
     first, last = coarse.nodes, coarse.nodes + 1
@@ -100,9 +85,7 @@ def _tree(
             closed[node] = excluded[node_at(shape, a, b, c)]
     x[first], y[first], z[first] = ends[0]
     x[last], y[last], z[last] = ends[1]
-    cost = np.full(last + 1, np.inf)
-    cost[first] = 0.0
-    return _SearchTree(x, y, z, closed, cost, np.full(last + 1, first, np.int32))
+    return x, y, z, closed
 
 
 @jitable(forceinline=True)
@@ -134,9 +117,9 @@ def _neighbours(
 
 
 @jitable
-def _nodes_near(tree: _SearchTree, node: int, reach: float, near: IntArray) -> int:
+def _nodes_near(places: _Places, node: int, reach: float, near: IntArray) -> int:
     """Write the nodes of the mesh that are near to start or goal to ``near``; their number."""
-    x, y, z, _, _, _ = tree
+    x, y, z = places
     p, count = (x[node], y[node], z[node]), 0
     for other in range(len(x) - 2):
         if distance(p, (x[other], y[other], z[other])) <= reach:
@@ -147,14 +130,16 @@ def _nodes_near(tree: _SearchTree, node: int, reach: float, near: IntArray) -> i
 
 @jitable
 def _visible_parent(
-    tree: _SearchTree,
+    places: _Places,
+    closed: ByteArray,
+    cost: FloatArray,
     obstacles: tuple[FloatArray, FloatArray],
     node: int,
     near: IntArray,
     most: float,
 ) -> int:
     """The best expanded neighbour that a node sees, which sets the node's cost; or -1."""
-    x, y, z, closed, cost, _ = tree
+    x, y, z = places
     primitives, margins = obstacles
     first, last = len(x) - 2, len(x) - 1
     to_last = 2 if node == last else 0
@@ -175,15 +160,14 @@ def _visible_parent(
 
 
 @jitable
-def _path_through(tree: _SearchTree, first: int, last: int) -> FloatArray:
-    """Points of the path from one node to another, flat, [unit]; empty where none was found."""
-    found = [0.0] * 0
+def _path_through(places: _Places, parent: IntArray, first: int, last: int) -> FloatArray:
+    """Points of the path from one node to another, flat, [unit]."""
+    x, y, z = places
+    found = [z[last], y[last], x[last]]
     node = last
-    while tree.closed[last] == 1:
-        found.extend([tree.z[node], tree.y[node], tree.x[node]])
-        if node == first:
-            break
-        node = int(tree.parent[node])
+    while node != first:
+        node = int(parent[node])
+        found.extend([z[node], y[node], x[node]])
     return np.array(found[::-1])
 
 
@@ -219,8 +203,11 @@ def any_angle(
     shape, _, steps, _, indptr, indices = adjacency
     coarse = _coarse(shape, stride)
     first, last = coarse.nodes, coarse.nodes + 1
-    tree = _tree(adjacency, coarse, stride, excluded, ends)
-    x, y, z, closed, cost, parent = tree
+    # closed is 1, too, where a node was expanded
+    x, y, z, closed = _places(adjacency, coarse, stride, excluded, ends)
+    places = x, y, z
+    cost, parent = np.full(last + 1, np.inf), np.full(last + 1, first, np.int32)
+    cost[first] = 0.0
     (start, goal), (primitives, margins) = ends, obstacles
     near = np.empty(last + 1, np.int32)  # a list would be grown and freed for each node
     to_go = distance(start, goal)
@@ -233,7 +220,7 @@ def any_angle(
         if node < first:
             count = _neighbours(coarse, node, steps, indptr, indices, near)
         else:
-            count = _nodes_near(tree, node, reach, near)
+            count = _nodes_near(places, node, reach, near)
         if node == first or distance(p, goal) <= reach:
             near[count] = last
             count += 1
@@ -246,7 +233,7 @@ def any_angle(
         if node != first and blocked(
             primitives, margins, limits, (x[origin], y[origin], z[origin]), p
         ):
-            origin = _visible_parent(tree, obstacles, node, near[:count], most)
+            origin = _visible_parent(places, closed, cost, obstacles, node, near[:count], most)
             if origin < 0:
                 continue  # until a neighbour that it sees is expanded
             parent[node] = origin
@@ -264,4 +251,4 @@ def any_angle(
                     cost[other] = through
                     parent[other] = origin
                     heapq.heappush(queue, (through + to_go, to_go, other))
-    return _path_through(tree, first, last)
+    return np.empty(0) if closed[last] == 0 else _path_through(places, parent, first, last)
