@@ -216,10 +216,9 @@ def test_everything_can_be_read(page: Page, size: tuple[int, int]) -> None:
             page.until(lambda: page.tab.evaluate(_SCENE_WIDTH) > 0.85 * size[0], "them to fold")
             page.tab.get_by_text(TITLE, exact=True).click()
         _toggle_stages(page)
-        # no text is wider for its colour: each font in one of them, on a phone the wide one
-        fonts = of_each_kind(_FONTS, *(_FONTS if size[0] > 600 else ("wide",)))
-        for dark, font in enumerate(fonts):
-            _darken(page, bool(dark))
+        # no text is wider for its colour: each font in one, on a phone the wide one in light
+        for font in of_each_kind(_FONTS, "wide" if size[0] < 600 else "narrow"):
+            _darken(page, font == "narrow")
             page.tab.evaluate(_SET_FONT, _FONTS[font])
             page.settle()
             for tab in _TABS:

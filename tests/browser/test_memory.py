@@ -14,6 +14,7 @@ from tests.abi import meshes
 from tests.browser import drawn
 from tests.browser.conftest import Tabs
 from tests.browser.page import Page
+from tests.thorough import THOROUGH
 
 _STORED = "sessionStorage.getItem('abi-tab')"
 
@@ -100,6 +101,7 @@ def test_reload_and_back_and_a_link_bring_everything_back(tabs: Tabs, server: Se
     other.until(lambda: len(drawn.obstacles(other)) == 2, "both obstacles")
 
 
+@pytest.mark.skipif(not THOROUGH, reason="test_restarts has a server killed and started again")
 def test_another_server_at_the_same_address_shows_the_same(chromium: Browser) -> None:
     server = start(port=0, scene="paper", look=PLAIN)
     page = Page(chromium, server.url + "/")

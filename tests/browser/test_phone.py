@@ -84,14 +84,6 @@ _HINT = """() => {
 }"""
 
 
-@pytest.fixture
-def new_phone(chromium: Browser, server: Server) -> Iterator[Page]:
-    """A tab on a phone in which nothing was touched."""
-    page = Page(chromium, server.url, 390, 844)
-    yield page
-    page.close()
-
-
 @pytest.fixture(scope="module")
 def phone(chromium: Browser, server: Server) -> Iterator[Page]:
     """A tab on a phone, its sheet folded."""
@@ -113,9 +105,55 @@ def _fold(page: Page) -> None:
     page.until(lambda: page.tab.evaluate(_SHARES)[1] > 0.9 * 844, "the scene to have it all")
 
 
+def _swipe(page: Page, start: tuple[float, float], right: float, down: float) -> None:
+    """Move a finger over the glass, and lift it."""
+    touch = page.tab.context.new_cdp_session(page.tab)
+    touch.send("Emulation.setTouchEmulationEnabled", {"enabled": True})
+    x, y = start
+    for k in range(11):
+        at = {"x": x + right * k / 10, "y": y + down * k / 10}
+        kind = "touchMove" if k else "touchStart"
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [at]})
+        page.frames(1)
+    touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    touch.send("Emulation.setTouchEmulationEnabled", {"enabled": False})
+    touch.detach()
+
+
+def _middle(page: Page, slider: Locator) -> tuple[float, tuple[float, float]]:
+    """How far the sheet is scrolled with the slider in its middle, and that one's, [px]."""
+    slider.evaluate("each => each.scrollIntoView({block: 'center'})")
+    page.settle()
+    box = slider.bounding_box()
+    assert box is not None
+    at = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    return float(page.tab.evaluate(_SCROLLED)), at
+
+
 @pytest.mark.slow
-def test_a_sheet_shows_what_is_chosen_and_can_be_folded(new_phone: Page) -> None:
-    phone = new_phone
+def test_a_finger_that_begins_on_a_slider_scrolls_unless_it_goes_sideways(phone: Page) -> None:
+    phone.tab.get_by_text(TITLE, exact=True).click()
+    phone.until(lambda: _are_both_seen(phone), "the sheet")
+    slider = phone.tab.locator(".mantine-Slider-root:visible").first
+    knob = slider.locator("[role=slider]")
+    before = knob.get_attribute("aria-valuenow")
+    scrolled, at = _middle(phone, slider)
+    _swipe(phone, at, 80, 3)
+    phone.until(lambda: knob.get_attribute("aria-valuenow") != before, "the slider to move")
+    assert phone.tab.evaluate(_SCROLLED) == scrolled
+
+    phone.settle()
+    before = knob.get_attribute("aria-valuenow")
+    scrolled, at = _middle(phone, slider)
+    _swipe(phone, at, 3, -120)
+    phone.until(lambda: phone.tab.evaluate(_SCROLLED) > scrolled + 30, "the sheet to scroll")
+    assert knob.get_attribute("aria-valuenow") == before
+    _fold(phone)
+    assert not phone.errors
+
+
+@pytest.mark.slow
+def test_a_sheet_shows_what_is_chosen_and_can_be_folded(phone: Page) -> None:
     title = phone.tab.get_by_text(TITLE, exact=True)
     phone.settle()
     phone.until(lambda: phone.tab.evaluate(_SMALL) == [], "what a finger can hit")
@@ -172,52 +210,3 @@ def test_a_lecture_shows_every_headline_whole(phone: Page) -> None:
         phone.tab.set_viewport_size({"width": 390, "height": height})
         phone.until(lambda: bool(phone.tab.evaluate(_WHOLE_HEADLINES)), f"them at {height}")
     assert not phone.errors
-
-
-def _swipe(page: Page, start: tuple[float, float], right: float, down: float) -> None:
-    """Move a finger over the glass, and lift it."""
-    touch = page.tab.context.new_cdp_session(page.tab)
-    touch.send("Emulation.setTouchEmulationEnabled", {"enabled": True})
-    x, y = start
-    for k in range(11):
-        at = {"x": x + right * k / 10, "y": y + down * k / 10}
-        kind = "touchMove" if k else "touchStart"
-        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [at]})
-        page.frames(1)
-    touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
-    touch.send("Emulation.setTouchEmulationEnabled", {"enabled": False})
-    touch.detach()
-
-
-def _middle(page: Page, slider: Locator) -> tuple[float, tuple[float, float]]:
-    """How far the sheet is scrolled with the slider in its middle, and that one's, [px]."""
-    slider.evaluate("each => each.scrollIntoView({block: 'center'})")
-    page.settle()
-    box = slider.bounding_box()
-    assert box is not None
-    at = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    return float(page.tab.evaluate(_SCROLLED)), at
-
-
-@pytest.mark.slow
-def test_a_finger_that_begins_on_a_slider_scrolls_unless_it_goes_sideways(new_phone: Page) -> None:
-    if not _are_both_seen(new_phone):
-        new_phone.tab.get_by_text(TITLE, exact=True).click()
-    new_phone.until(lambda: _are_both_seen(new_phone), "the sheet")
-    slider = new_phone.tab.locator(".mantine-Slider-root:visible").first
-    knob = slider.locator("[role=slider]")
-    before = knob.get_attribute("aria-valuenow")
-    scrolled, at = _middle(new_phone, slider)
-    _swipe(new_phone, at, 80, 3)
-    new_phone.until(lambda: knob.get_attribute("aria-valuenow") != before, "the slider to move")
-    assert new_phone.tab.evaluate(_SCROLLED) == scrolled
-
-    new_phone.settle()
-    before = knob.get_attribute("aria-valuenow")
-    scrolled, at = _middle(new_phone, slider)
-    _swipe(new_phone, at, 3, -120)
-    new_phone.until(
-        lambda: new_phone.tab.evaluate(_SCROLLED) > scrolled + 30, "the sheet to scroll"
-    )
-    assert knob.get_attribute("aria-valuenow") == before
-    assert not new_phone.errors
