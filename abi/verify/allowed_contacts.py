@@ -10,7 +10,7 @@ that stand still. Nothing else may be missing.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -23,7 +23,7 @@ from abi.verify.exact.chain import ExactChain
 from abi.verify.exact.mesh import ExactMesh
 from abi.verify.exact.solids import ExactSolid, LinkPiece
 from abi.verify.fault import Fault
-from abi.verify.link_contact import LinkTriangles, link_triangles, touch
+from abi.verify.link_contact import LinkTriangles, holds, link_triangles, solid_triangles, touch
 from abi.verify.never_touching import never_touch
 from abi.verify.plan_fields import list_of, mapping
 from abi.verify.plumb_line import is_beneath
@@ -122,7 +122,9 @@ def _entries(
 
 
 def _name(other: Other) -> str:
-    return f"obstacle {other + 1}" if isinstance(other, int) else f"the {other}"
+    if isinstance(other, int):
+        return f"obstacle {other + 1}"
+    return "the floor" if other == "floor" else other
 
 
 def _may_touch(link: str, other: str, reason: object, scene: Scene, chain: ExactChain) -> bool:
@@ -201,16 +203,21 @@ def may_touch_floor(link: str, scene: Scene, chain: ExactChain, bodies: Bodies) 
         return True
     floor = min(scene.arm.base[2], scene.workspace.min[2])
     low, high = (np.array(one) for one in usual_range(chain))
+    if scene.robot.links[link].shapes:
+        own = in_frame(link, scene.robot, chain)
+        parts = [(own.corners.reshape(-1, 3), np.repeat(own.radii, 3))]
+    else:  # lines stand for it
+        hulls = [piece[-1] for piece in bodies[link]]
+        parts = [
+            (np.array(one.points, dtype=np.float64), np.array([float(one.radius)])) for one in hulls
+        ]
     coordinate = chain.coordinates.index(chain.joints[0].coordinate)
     row = np.clip(0.0, low, high)
-    closest = [piece[-1] for piece in bodies[link]]
-    corners = [np.array(hull.points, dtype=np.float64) for hull in closest]
-    radii = [float(hull.radius) for hull in closest]
     for value in np.linspace(low[coordinate], high[coordinate], _POSES):
         row[coordinate] = value
         frame = chain.place([Fraction(number) for number in row.tolist()])[0]
         up, origin = (np.array(part[2] / 2.0**200, dtype=np.float64) for part in frame[:2])
-        heights = [(few @ up).min() - radius for few, radius in zip(corners, radii, strict=True)]
+        heights = [(corners @ up - radii).min() for corners, radii in parts]
         if min(heights) + origin > floor + _NEAR:
             return False
     return True
@@ -237,6 +244,40 @@ def _check_touching(
         for first, second in pairs:
             if not touch(placed[first], placed[second]):
                 raise Fault(f"{first} and {second}, said to touch always, are apart in some pose")
+
+
+def check_insides(
+    robot: Robot,
+    chain: ExactChain,
+    row: Row,
+    obstacles: Sequence[ExactSolid | ExactMesh],
+    pairs: Iterable[tuple[str, Other]],
+) -> None:
+    """Raise if something is wholly inside a link where a motion begins.
+
+    Pieces of a link may leave its inside out, into which nothing gets but through its surface.
+
+    Args:
+        robot: the robot.
+        chain: its chain.
+        row: coordinates there.
+        obstacles: the obstacles.
+        pairs: links, and what each has to keep clear of.
+
+    Raises:
+        Fault: it is.
+    """
+    links = {
+        name: in_frame(name, robot, chain) for name in chain.frames if robot.links[name].shapes
+    }
+    placed: dict[Other, LinkTriangles] = dict(placed_at(links, chain, row).items())
+    placed |= {number: solid_triangles(one) for number, one in enumerate(obstacles)}
+    for link, other in pairs:
+        if link in placed and other in placed:
+            both = placed[link], placed[other]
+            inside = isinstance(other, str) and holds(both[1], both[0])
+            if inside or holds(*both):
+                raise Fault(f"{link} and {_name(other)} are inside each other")
 
 
 def placed_at(

@@ -108,21 +108,21 @@ def touch(first: LinkTriangles, second: LinkTriangles, near: float = _NEAR) -> b
 
     Where that is less than 0, they have to be as deep in each other.
     """
-    if _any_inside(first, second) or _any_inside(second, first):
+    if holds(first, second) or holds(second, first):
         return True
     return any(meet(*few).any() for few in near_triangles(first, second, 0.0, near))
 
 
 def boxes_overlap(first: LinkTriangles, second: LinkTriangles) -> bool:
     """Check whether the boxes around two links overlap."""
-    (low, high), (others_low, others_high) = (
-        (
-            (one.corners.min(axis=1) - one.radii[:, None]).min(axis=0),
-            (one.corners.max(axis=1) + one.radii[:, None]).max(axis=0),
-        )
-        for one in (first, second)
-    )
+    (low, high), (others_low, others_high) = map(_box, (first, second))
     return bool((low <= others_high).all() and (others_low <= high).all())
+
+
+def _box(one: LinkTriangles) -> tuple[FloatArray, FloatArray]:
+    """Low and high corner, (3,) each, of the box around a link."""
+    low = (one.corners.min(axis=1) - one.radii[:, None]).min(axis=0)
+    return low, (one.corners.max(axis=1) + one.radii[:, None]).max(axis=0)
 
 
 def near_triangles(
@@ -172,9 +172,10 @@ def _prism(rim: FloatArray, half: float) -> FloatArray:
     return np.concatenate([sides, others, low[fan[:, ::-1]], high[fan]])
 
 
-def _any_inside(solid: LinkTriangles, other: LinkTriangles) -> bool:
+def holds(solid: LinkTriangles, other: LinkTriangles) -> bool:
     """Check whether a corner of a shell of ``other`` is inside a closed shell of ``solid``."""
-    for point in other.corners[other.firsts, 0]:
+    points, low, high = other.corners[other.firsts, 0], *_box(solid)
+    for point in points[((points >= low) & (points <= high)).all(axis=1)]:
         a, b, c = (solid.corners - point).swapaxes(0, 1)
         la, lb, lc = (np.linalg.norm(one, axis=1) for one in (a, b, c))
         volume = (a * np.cross(b, c)).sum(axis=1)

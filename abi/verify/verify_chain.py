@@ -22,7 +22,7 @@ from abi.obstacles.pose import METRES, Quaternion, rotation
 from abi.scene.arm_end import ENDS
 from abi.scene.held_axis import HeldAxis
 from abi.scene.scene import Scene
-from abi.verify.allowed_contacts import Other, allowed_contacts, not_compared
+from abi.verify.allowed_contacts import Other, allowed_contacts, check_insides, not_compared
 from abi.verify.certificate import (
     ARM,
     CapsuleKey,
@@ -43,6 +43,7 @@ from abi.verify.exact.solids import (
     LinkPiece,
     MovedHull,
     Vec3,
+    dot,
     sub,
     vector,
 )
@@ -132,6 +133,11 @@ def check_chain(
         apart = partial(_apart, motion, capsules[i], capsules[j])
         check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
     _check_outside(motion, capsules, obstacles, allowed)
+    clear = [
+        (link, k) for link in bodies for k in range(len(obstacles)) if (link, k) not in allowed
+    ]
+    beside = {(capsules[i][0].link, capsules[j][0].link) for i, j in pairs}
+    check_insides(scene.robot, chain, rows[0], obstacles, [*clear, *beside])
     held = scene.arm.held_axis or _claimed_axis(scene, section)
     kept = ""
     if held is not None:
@@ -215,7 +221,8 @@ def _check_ends(chain: ExactChain, rows: Sequence[Sequence[Fraction]], scene: Sc
         place, _ = frame.place(_ORIGIN)
         allowed = _REACHED * length + Fraction(0 if end is None else end.position_tolerance)
         allowed += _ROUNDED * max(map(abs, place))
-        if max(map(abs, sub(place, vector(getattr(scene, name))))) > allowed:
+        away = sub(place, vector(getattr(scene, name)))
+        if dot(away, away) > allowed * allowed:
             raise Fault(f"the tool tip is not at the {name}")
         if end is not None and end.is_pose and _turned(frame, end.wxyz) > end.angle_tolerance:
             raise Fault(f"the tool tip is turned otherwise at the {name}")

@@ -19,7 +19,12 @@ from abi.errors import SceneError
 from abi.obstacles.pose import METRES
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene
-from abi.verify.allowed_contacts import contacts_of_motion, may_touch_floor, not_compared
+from abi.verify.allowed_contacts import (
+    check_insides,
+    contacts_of_motion,
+    may_touch_floor,
+    not_compared,
+)
 from abi.verify.certificate import MOTION, planes_of, words_of
 from abi.verify.exact.chain import ExactChain
 from abi.verify.exact.link_corners import check_corners, has_own_shape
@@ -96,6 +101,14 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
         check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
     _check_outside(motion, bodies, obstacles)
     check_still(scene, motion.chain, obstacles)
+    moving: list[tuple[str, int | str]] = [
+        (link, k)
+        for link in sorted(links)
+        for k in range(len(obstacles))
+        if motion.chain.frames[link] >= 0
+    ]
+    moving += sorted({(bodies[i].link, bodies[j].link) for i, j in pairs})
+    check_insides(scene.robot, motion.chain, few[0], obstacles, moving)
     _check_pairs(allowed, bodies, pairs)
     _check_told(data)
     direction = check_held_in_motion(data, scene, motion.chain, motion.path)

@@ -41,12 +41,12 @@ def on_floor(chain: Chain, bodies: Iterable[Body], floor: float) -> tuple[str, .
     if not first or _keeps_heights(chain):
         return (*still, *first)
     up = chain.poses(_turned(chain))[:, 0, 2]
-    found = []
+    lowest = {link: _lowest(chain, link) for link in first}
     for link, of_link in first.items():
-        lowest = [(up[:, :3] @ one.points.T).min(axis=1) - one.rounding for one in of_link]
-        if (np.min(lowest, axis=0) + up[:, 3] <= floor).all():
-            found.append(link)
-    return (*still, *found)
+        if not chain.robot.links[link].shapes:  # lines stand for it
+            heights = [(up[:, :3] @ one.points.T).min(axis=1) - one.rounding for one in of_link]
+            lowest[link] = np.min(heights, axis=0) + up[:, 3]
+    return (*still, *(link for link in first if (lowest[link] <= floor).all()))
 
 
 def floor_notes(chain: Chain, links: Iterable[str], floor: float) -> list[str]:
@@ -62,19 +62,25 @@ def floor_notes(chain: Chain, links: Iterable[str], floor: float) -> list[str]:
     if _keeps_heights(chain):
         why = f": {chain.joints[0].name} brings it no nearer"
     for link in (name for name, number in chain.frames.items() if number == 0 and name in standing):
-        turn, origin = chain.places[link][:3, :3], chain.places[link][:3, 3]
-        solids = solids_of(chain.robot.links[link], 1.0)
-        frames = chain.poses(_turned(chain))[:, 0]
-        lowest = min(
-            solids.lowest(frame[:, :3] @ turn, frame[:, :3] @ origin + frame[:, 3])
-            for frame in frames
-        )
+        lowest = float(_lowest(chain, link).min())
         if floor - lowest > SUNK:
             notes.append(
                 f"{link} reaches {floor - lowest:.3g} m below the floor, which is not "
                 f"compared{why}."
             )
     return notes
+
+
+def _lowest(chain: Chain, link: str) -> FloatArray:
+    """Heights (k,) of the lowest point of a link that the first joint takes to all positions."""
+    turn, origin = chain.places[link][:3, :3], chain.places[link][:3, 3]
+    solids = solids_of(chain.robot.links[link], 1.0)
+    return np.array(
+        [
+            solids.lowest(frame[:, :3] @ turn, frame[:, :3] @ origin + frame[:, 3])
+            for frame in chain.poses(_turned(chain))[:, 0]
+        ]
+    )
 
 
 def _turned(chain: Chain) -> FloatArray:

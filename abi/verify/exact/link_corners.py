@@ -24,6 +24,8 @@ from abi.verify.fault import Fault
 _NEAR = 1e-6
 """Distance by which a corner may be outside, over the largest coordinate of its link and 1 m."""
 _TINY = 1e-300
+_HEAVY = 1e4
+"""Weight of a mean's parts having the sum 1, beside its place."""
 _POINTS = 600
 """Number of random points of each shape."""
 _AROUND = np.linspace(0, 2 * np.pi, 16, endpoint=False)
@@ -113,13 +115,37 @@ def _in_hull(corners: FloatArray, hull: MovedHull, allowed: float) -> BoolArray:
     if len(points) <= 2:
         return np.asarray(_distances(corners, points[[0, -1]]) <= room)
     try:
-        sides = scipy.spatial.ConvexHull(points).equations
-    except scipy.spatial.QhullError:  # it is flat: is each a sum of the points, in parts of one?
-        size = max(float(np.abs(points).max()), _TINY)
-        sums = np.vstack([points.T / size, np.ones(len(points))])
-        wanted = np.column_stack([corners / size, np.ones(len(corners))])
-        return np.array([scipy.optimize.nnls(sums, one)[1] * size <= room for one in wanted])
-    return np.asarray((corners @ sides[:, :3].T + sides[:, 3]).max(axis=1, initial=-1.0) <= room)
+        whole = scipy.spatial.ConvexHull(points)
+    except scipy.spatial.QhullError:  # it is flat: how far is each from a mean of the points?
+        return np.array([_from_means(corner, points) <= room for corner in corners], dtype=np.bool_)
+    away = (corners @ whole.equations[:, :3].T + whole.equations[:, 3]).max(axis=1, initial=-1.0)
+    inside = away <= allowed
+    # beyond its edges what is near all planes may be far from it
+    near = np.flatnonzero(~inside & (away <= room))
+    if len(near):
+        facets = (_from_triangle(corners[near], points[facet]) for facet in whole.simplices)
+        inside[near] = np.min([*facets], axis=0) <= room
+    return np.asarray(inside)
+
+
+def _from_means(corner: FloatArray, points: FloatArray) -> float:
+    """Distance of a corner (3,) from the hull of points (n, 3)."""
+    size = max(float(np.abs(points).max()), _TINY)
+    sums = np.vstack([points.T / size, np.full(len(points), _HEAVY)])
+    weights = scipy.optimize.nnls(sums, np.append(corner / size, _HEAVY))[0]
+    return float(np.linalg.norm(weights @ points / max(weights.sum(), _TINY) - corner))
+
+
+def _from_triangle(points: FloatArray, corners: FloatArray) -> FloatArray:
+    """Distances (n,) of points (n, 3) from a triangle (3, 3)."""
+    edges = [corners[[k, (k + 1) % 3]] for k in range(3)]
+    normal = np.cross(edges[0][1] - edges[0][0], edges[1][1] - edges[1][0])
+    above = np.ones(len(points), dtype=np.bool_)
+    for first, last in edges:
+        above &= (points - first) @ np.cross(normal, last - first) >= 0
+    height = np.abs((points - corners[0]) @ normal) / max(float(np.linalg.norm(normal)), _TINY)
+    around = np.min([_distances(points, edge) for edge in edges], axis=0)
+    return np.asarray(np.where(above & bool(normal.any()), height, around))
 
 
 def _distances(points: FloatArray, ends: FloatArray) -> FloatArray:

@@ -6,6 +6,8 @@ import itertools
 import json
 from dataclasses import replace
 from fractions import Fraction
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -467,8 +469,13 @@ def test_the_floor_may_be_touched_by_what_no_joint_brings_nearer_to_it(seed: int
         bodies.setdefault(k.link, []).append(
             (MovedHull(k.link, k.frame, corners, Fraction(k.rounding)),)
         )
-    found = {link for link in bodies if may_touch_floor(link, scene, exact, bodies)}
-    assert found == {*standing}
+    # however large the pieces of a link with shapes are
+    wide = MovedHull(name, 0, (vector([0.0] * 3),), Fraction(9))
+    larger = {link: [*few, (wide,)] for link, few in bodies.items() if robot.links[link].shapes}
+    world: Any = SimpleNamespace(robot=robot, arm=scene.arm, workspace=scene.workspace)
+    for held in (bodies, {**bodies, **larger}):
+        found = {link for link in bodies if may_touch_floor(link, world, exact, held)}
+        assert found == {*standing}
 
 
 @pytest.mark.parametrize(("axis", "level"), [("0 0 1", False), ("0 1 0", True)])

@@ -12,9 +12,10 @@ from abi.arrays import FloatArray
 from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import robot_from_archive
-from abi.verify.exact.link_corners import _corners, check_corners, check_lines
+from abi.verify.allowed_contacts import check_insides
+from abi.verify.exact.link_corners import _corners, _in_hull, check_corners, check_lines
 from abi.verify.exact.robot_chain import exact_chain
-from abi.verify.exact.solids import LinkPiece, MovedHull, vector
+from abi.verify.exact.solids import ExactSolid, LinkPiece, MovedHull, vector
 from abi.verify.fault import Fault
 from tests.abi.robot.robots import arm, joint, packed, urdf
 from tests.abi.robot.test_robot_files import ball
@@ -69,6 +70,22 @@ def test_a_shell_of_plates_around_a_box_leaves_its_inside_out() -> None:
         check(robot, [around(side, 1e-3) for side in sides])
 
 
+@pytest.mark.parametrize("name", ["box", "cylinder", "mesh"])
+def test_what_is_inside_of_a_link_is_found_whatever_its_pieces_leave_out(name: str) -> None:
+    robot = robot_of(name)
+    chain = exact_chain(robot, "d", (0, 0, 0), 1)
+    row = [Fraction(0)] * len(chain.coordinates)
+    (*_, shape) = robot.links["a"].shapes
+    for share, inside in ((0.0, True), (9.0, False)):
+        place = vector((shape.pose[:3, 3] + share).tolist())
+        small = ExactSolid(vector([0.01] * 3), Fraction(0), Fraction(0), place, (1, 0, 0, 0))
+        if inside:
+            with pytest.raises(Fault, match="a and obstacle 1 are inside each other"):
+                check_insides(robot, chain, row, [small], [("a", 0)])
+        else:
+            check_insides(robot, chain, row, [small], [("a", 0)])
+
+
 def test_corners_of_a_file_that_no_triangle_uses_are_no_part_of_a_link() -> None:
     robot = robot_from_archive(packed({"r.urdf": arm((BOX, OBJ)), "a.obj": STRAY}))
     bodies = link_bodies(robot.links["a"])
@@ -91,3 +108,18 @@ def test_one_piece_stands_for_all_of_a_line_between_two_joints() -> None:
     for bodies in ({"b": balls}, {"b": halves[:1]}, {"d": whole}, {"a": whole}):
         with pytest.raises(Fault, match="no lines stand"):
             check_lines(chain, robot, {**bodies, "c": [tip]})
+
+
+@pytest.mark.parametrize("flat", [False, True])
+def test_a_hull_with_a_radius_holds_what_is_as_near_to_it(flat: bool) -> None:
+    random = np.random.default_rng(3)
+    for _ in range(10):  # needles, beyond whose ends planes moved outward meet far away
+        points = random.normal(size=(5, 3)) * [0.02, 0.02, 1.0]
+        points[:, 0] *= not flat
+        directions = random.normal(size=(20, 3)) * [1.0, 1.0, 20.0]
+        tips = points[(directions @ points.T).argmax(axis=1)]
+        # a tip's distance from its hull along a direction in which no point is farther
+        away = 0.2 * directions / np.linalg.norm(directions, axis=1)[:, None]
+        (piece,) = around(points, 0.2)
+        assert _in_hull(tips + 0.99 * away, piece, 1e-6).all()
+        assert not _in_hull(tips + 1.01 * away, piece, 1e-6).any()
