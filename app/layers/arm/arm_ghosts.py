@@ -10,7 +10,7 @@ from abi.planner.plan import Plan
 from abi.planner.stage_results import AnyFit
 from abi.robot.kinematics.start_poses import REACHED
 from app.drawing.lines import NO_SEGMENTS, add_line, dashes, parameters
-from app.layers.arm.ghost_bodies import GhostBodies, places_of
+from app.layers.arm.ghost_bodies import Pose, ghost, places_of
 from app.layers.arm.kinds import kind_of
 from app.shared.computed_once import once_a_plan
 from app.state.frame import Draw, Frame
@@ -26,7 +26,7 @@ def arm_ghosts_layer(layout: Layout) -> Draw:
     """The arm's capsules, see-through, and the curve of the tool alone."""
     client = layout.client
     ghosts = {
-        name: GhostBodies(client, f"/arm_ghost/{name}", colour)
+        name: ghost(client, f"/arm_ghost/{name}", colour)
         for name, colour in (("now", style.FADED), *((end, style.POINT) for end in _ENDS))
     }
     line = add_line(client.scene, "/tool_only", style.FADED, 4.0)
@@ -36,8 +36,8 @@ def arm_ghosts_layer(layout: Layout) -> Draw:
     def draw(frame: Frame) -> None:
         nonlocal lined
         plan = frame.plan
-        for name, bodies in ghosts.items():
-            drawn[name] = _draw_bodies(name, bodies, frame, drawn.get(name))
+        for name, pose in ghosts.items():
+            drawn[name] = _draw_ghost(name, pose, frame, drawn.get(name))
         if plan.tool_only is not lined:
             lined = plan.tool_only
             line.points = NO_SEGMENTS
@@ -49,8 +49,8 @@ def arm_ghosts_layer(layout: Layout) -> Draw:
     return draw
 
 
-def _draw_bodies(
-    name: str, bodies: GhostBodies, frame: Frame, drawn: tuple[object, ...] | None
+def _draw_ghost(
+    name: str, pose: Pose, frame: Frame, drawn: tuple[object, ...] | None
 ) -> tuple[object, ...]:
     """Draw a ghost's poses; the others for the page to move while the motion plays.
 
@@ -70,14 +70,10 @@ def _draw_bodies(
     if state == drawn:
         return state
     if arm is None or not len(positions):
-        bodies.hide()
+        pose(np.empty((0, 2, 3)), np.empty(0), None)
         return state
     ends = arm.place(positions).reshape(-1, 2, 3)
-    radii = np.tile(arm.radii, len(positions))
-    if playing:
-        bodies.follow(ends, radii, _places(plan))
-    else:
-        bodies.stand(ends, radii)
+    pose(ends, np.tile(arm.radii, len(positions)), _places(plan) if playing else None)
     return state
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import itertools
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import viser
@@ -18,82 +19,71 @@ from abi.obstacles.revolution import quarter_circles, revolved
 from app.ui import node_poses, page, style
 
 _SIDES = 14
-_PLACE = 7
-"""Numbers of a place: its position, and a quaternion that turns the z axis along the capsule."""
+
+Pose = Callable[[FloatArray, FloatArray, FloatArray | None], None]
+"""Shows capsules by their segments' ends (b, 2, 3) and radii (b,), [unit], world; none for b = 0.
+
+With their places at each sample of the motion by :func:`places_of`, (samples, b, 7), NaN where one
+is not there, the page moves them from there on. The same array means the same motion.
+"""
 
 
-class GhostBodies:
-    """A node for each capsule, see-through."""
+def ghost(client: viser.ClientHandle, name: str, colour: style.Colour) -> Pose:
+    """A node for each of some capsules, see-through; none until they are posed."""
+    root: viser.FrameHandle | None = None
+    nodes: list[viser.MeshHandle] = []
+    shapes: tuple[tuple[float, float], ...] = ()
+    following: FloatArray | None = None
 
-    def __init__(self, client: viser.ClientHandle, name: str, colour: style.Colour) -> None:
-        self._client, self._name, self._colour = client, name, colour
-        self._root: viser.FrameHandle | None = None
-        self._nodes: list[viser.MeshHandle] = []
-        self._shapes: tuple[tuple[float, float], ...] = ()
-        self._following: object = None
-
-    def hide(self) -> None:
-        """Hide all of them."""
-        self._follow(None, None)
-        if self._root is not None:
-            self._root.visible = False
-
-    def stand(self, ends: FloatArray, radii: FloatArray) -> None:
-        """Show them at their segments' ends (b, 2, 3), [unit], world, with radii (b,)."""
-        self._follow(None, None)
-        self._build(ends, radii)
-        for node, place in zip(self._nodes, places_of(ends[None])[0], strict=True):
-            node.position, node.wxyz = place[:3], place[3:]
-
-    def follow(self, ends: FloatArray, radii: FloatArray, places: FloatArray) -> None:
-        """Have the page move them, from the samples that it has of the motion.
-
-        Args:
-            ends: of their segments at some sample, (b, 2, 3), [unit], world.
-            radii: (b,), [unit].
-            places: of :func:`places_of` for each sample, (samples, b, 7); NaN where one is not
-                there. The same array means the same motion.
-        """
-        self._build(ends, radii)
-        self._follow(places, [node.name for node in self._nodes])
-
-    def _follow(self, places: FloatArray | None, names: list[str] | None) -> None:
-        if places is self._following:
-            return
-        self._following = places
-        if places is None:
-            page.call(self._client, "follow", None)
-            for node in self._nodes:
+    def pose(ends: FloatArray, radii: FloatArray, places: FloatArray | None = None) -> None:
+        nonlocal root, nodes, shapes, following
+        if places is None and following is not None:
+            following = None
+            page.call(client, "follow", None)
+            for node in nodes:
                 node_poses.forget(node)
-            return
-        table = base64.b64encode(places.astype("<f4").tobytes()).decode()
-        page.call(self._client, "follow", {"names": names, "places": table})
-
-    def _build(self, ends: FloatArray, radii: FloatArray) -> None:
-        """Show a node for each capsule; they are the same as long as the shapes are."""
         lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-        rows = zip(lengths.round(6).tolist(), radii.round(6).tolist(), strict=True)
-        if (shapes := tuple(rows)) != self._shapes:
-            if self._root is not None:
-                self._root.remove()
-            scene = self._client.scene
-            self._root = scene.add_frame(self._name, show_axes=False)
-            self._shapes, self._nodes, self._following = shapes, [], None
-            for number, (length, radius) in enumerate(shapes):
-                # around a segment of the z axis
-                vertices, faces = revolved(quarter_circles(radius, length / 2, _SIDES), _SIDES)
-                self._nodes.append(
-                    scene.add_mesh_simple(
-                        f"{self._name}/{number}",
-                        vertices.astype(np.float32),
-                        faces.astype(np.uint32),
-                        color=self._colour,
-                        opacity=style.GHOST_OPACITY,
-                        cast_shadow=False,
-                    )
-                )
-        if self._root is not None:
-            self._root.visible = True
+        rows = tuple(zip(lengths.round(6).tolist(), radii.round(6).tolist(), strict=True))
+        if rows and rows != shapes:
+            if root is not None:
+                root.remove()
+            root, nodes = _add_capsules(client.scene, name, rows, colour)
+            shapes, following = rows, None
+        if root is not None:
+            root.visible = bool(rows)
+        if places is not None and places is not following:
+            following = places
+            table = base64.b64encode(places.astype("<f4").tobytes()).decode()
+            names = [node.name for node in nodes]
+            page.call(client, "follow", {"names": names, "places": table})
+        elif places is None and rows:
+            for node, place in zip(nodes, places_of(ends[None])[0], strict=True):
+                node.position, node.wxyz = place[:3], place[3:]
+
+    return pose
+
+
+def _add_capsules(
+    scene: viser.SceneApi,
+    name: str,
+    shapes: Sequence[tuple[float, float]],
+    colour: style.Colour,
+) -> tuple[viser.FrameHandle, list[viser.MeshHandle]]:
+    """Add a node that all are in, and one for each length and radius, around the z axis."""
+    root, nodes = scene.add_frame(name, show_axes=False), []
+    for number, (length, radius) in enumerate(shapes):
+        vertices, faces = revolved(quarter_circles(radius, length / 2, _SIDES), _SIDES)
+        nodes.append(
+            scene.add_mesh_simple(
+                f"{name}/{number}",
+                vertices.astype(np.float32),
+                faces.astype(np.uint32),
+                color=colour,
+                opacity=style.GHOST_OPACITY,
+                cast_shadow=False,
+            )
+        )
+    return root, nodes
 
 
 def places_of(ends: FloatArray) -> FloatArray:
