@@ -73,7 +73,7 @@ class UploadJob(Generic[_T]):
         """Read and prepare the file; what it took is free afterwards, unless one has to choose."""
         result = None if self.stopped.is_set() else self._dealt(deal)
         self.result = None if self.stopped.is_set() else result
-        if self.chosen or not self.choices:
+        if not (self.chosen or self.choices):
             self.file.close()
 
     def _dealt(self, deal: Deal[_T]) -> _T | AbiError | None:
