@@ -313,8 +313,8 @@ class Scene(Settings):
     def pack(self) -> bytes:
         """Pack the scene, its meshes and its arm into a zip archive for :func:`load_scene`.
 
-        The scene that this loads is equal. Meshes are stored as they are used, repaired, and not as
-        the bytes of their files.
+        The scene that this loads is equal. Meshes are stored as the triangles of their files, not
+        as the bytes.
 
         Raises:
             SceneError: the archive would be too large to be read again.

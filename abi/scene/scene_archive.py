@@ -1,9 +1,10 @@
 """Zip archive of a scene: ``scene.yaml``, the meshes and the arm.
 
-Meshes are stored repaired, as OBJ text with all digits; an arm is stored as it was uploaded. A mesh
-whose file was of another format has its name as the comment of its entry, so that the scene comes
-back equal, and other programs find OBJ files under the names that ``scene.yaml`` gives. An archive
-may come from anyone, so sizes and names are checked before anything is unpacked.
+Meshes are stored as they were before their repair, as OBJ text with all digits; an arm is stored
+as it was uploaded. A mesh whose file was of another format has its name as the comment of its
+entry, so that the scene comes back equal, and other programs find OBJ files under the names that
+``scene.yaml`` gives. An archive may come from anyone, so sizes and names are checked before
+anything is unpacked.
 """
 
 from __future__ import annotations
@@ -201,7 +202,8 @@ def _named(data: Any) -> set[str]:
 
 
 def _obj(surface: Surface) -> str:
-    vertices = [f"v {x!r} {y!r} {z!r}" for x, y, z in surface.vertices.tolist()]
-    faces = [f"f {a} {b} {c}" for a, b, c in (surface.faces + 1).tolist()]
+    places, corners = surface.given or (surface.vertices, surface.faces)
+    vertices = [f"v {x!r} {y!r} {z!r}" for x, y, z in places.tolist()]
+    faces = [f"f {a} {b} {c}" for a, b, c in (corners + 1).tolist()]
     unit = [] if surface.metres is None else [write_unit(surface.metres)]
     return "\n".join([*unit, *vertices, *faces, ""])

@@ -20,8 +20,10 @@ import zipfile
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from abi.arrays import read_only
 from abi.obstacles.triangle_mesh.mesh_source import Files
@@ -88,6 +90,9 @@ def _found(path: Path) -> bytes | Surface:
             tuple(map(str, data["notes"])),
             next(iter(data["metres"].tolist()), None) if "metres" in data else None,
             tuple(data["layers"].tolist()) if "layers" in data else (),
+            (read_only(data["before"]), read_only(data["faces_before"]))
+            if "before" in data
+            else None,
         )
     if surface.digest != path.name:
         raise ValueError(path.name)
@@ -119,15 +124,17 @@ def _packed(content: object) -> bytes:
         return content.archive
     assert isinstance(content, Surface)
     packed = io.BytesIO()
-    np.savez(
-        packed,
-        vertices=content.vertices,
-        faces=content.faces,
-        closed=np.array(content.closed),
-        notes=np.array(content.notes, dtype=np.str_),
-        metres=np.array([] if content.metres is None else [content.metres]),
-        layers=np.array(content.layers, dtype=np.int64),
-    )
+    arrays: dict[str, NDArray[Any]] = {
+        "vertices": content.vertices,
+        "faces": content.faces,
+        "closed": np.array(content.closed),
+        "notes": np.array(content.notes, dtype=np.str_),
+        "metres": np.array([] if content.metres is None else [content.metres]),
+        "layers": np.array(content.layers, dtype=np.int64),
+    }
+    if content.given is not None:
+        arrays["before"], arrays["faces_before"] = content.given
+    np.savez(packed, allow_pickle=False, **arrays)
     return packed.getvalue()
 
 

@@ -81,7 +81,7 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     vertices = arguments.points("vertices", vertices)
     faces = arguments.ids("faces", faces, (-1, 3), len(vertices))
     lines = uncovered_lines(vertices, faces)
-    vertices, faces = weld(vertices, faces)
+    given = vertices, faces = weld(vertices, faces)
     size = float(np.ptp(vertices, axis=0).max(initial=0.0)) if len(faces) else 0.0
     if size == 0 or not areas_of(vertices, faces).any():
         raise SceneError("file", name, "a mesh, but none of its triangles has an area")
@@ -107,9 +107,9 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
         if merged is not None:
             notes = (*notes, f"Its {plain} parts count as one solid.")
             corners, merged_faces = in_order(*merged)
-            is_as_in_file, before = False, np.int32(len(corners))
-            sheets, moved = sheets + before, moved + before
-            solids = [merged_faces, *(one + before for one in solids[1:])]
+            is_as_in_file, first = False, np.int32(len(corners))
+            sheets, moved = sheets + first, moved + first
+            solids = [merged_faces, *(one + first for one in solids[1:])]
             vertices = np.concatenate([corners, vertices])
     sheets, _ = without_duplicates(sheets[areas_of(vertices, sheets) > 0])
     moved = moved[areas_of(vertices, moved) > 0]
@@ -133,7 +133,11 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     solids = [one if is_as_in_file else faces_in_order(one) for one in solids if len(one)]
     sizes = tuple(map(len, solids)) if len(solids) > 1 else ()
     faces = np.concatenate(solids)
-    return Surface(read_only(vertices), read_only(faces), parts > 0, notes, layers=sizes)
+    is_as_given = np.array_equal(vertices, given[0]) and np.array_equal(faces, given[1])
+    before = None if is_as_given else (read_only(given[0]), read_only(given[1]))
+    return Surface(
+        *(read_only(vertices), read_only(faces), parts > 0, notes), layers=sizes, given=before
+    )
 
 
 def _is_thin(vertices: FloatArray, shells: Shells) -> BoolArray:

@@ -25,6 +25,8 @@ class Surface(ShortRepr):
         notes: sentences about its repair, and on what of the file is left out.
         metres: length of the file's unit, [m]; None if it does not say.
         layers: numbers of the faces of each layer, which follow one another; () where it is one.
+        given: vertices and faces before the repair, which gives these again; None where they are
+            these. They do not count for equality.
     """
 
     vertices: FloatArray
@@ -33,6 +35,7 @@ class Surface(ShortRepr):
     notes: tuple[str, ...] = ()
     metres: float | None = None
     layers: tuple[int, ...] = ()
+    given: tuple[FloatArray, IntArray] | None = None
     digest: str = field(init=False)
 
     def __post_init__(self) -> None:

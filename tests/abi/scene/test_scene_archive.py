@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -19,8 +20,16 @@ from tests.abi import meshes
 from tests.abi.robot.robots import arm, packed
 
 
+def rough() -> bytes:
+    """A box and a ball on a lattice: its repair would be repaired again, otherwise."""
+    vertices, faces = meshes.sphere(2)
+    shaken = vertices * np.random.default_rng(0).uniform(0.6, 1.4, (len(vertices), 1))
+    return meshes.stl(meshes.joined((np.round(2 * shaken) / 2, faces[1:]), meshes.box()))
+
+
 def with_meshes() -> Scene:
     files = {
+        "rough.stl": rough(),
         "parts/nut.stl": meshes.stl(meshes.bumpy(2)),
         "nut.stl": meshes.stl(meshes.soup(20, seed=1, size=0.5)),
     }
@@ -28,6 +37,7 @@ def with_meshes() -> Scene:
         {"shape": "mesh", "file": "parts/nut.stl", "position": [3, 3, 3], "scale": 0.7},
         {"shape": "box", "size": [1, 1, 1], "position": [1, 4, 1]},
         {"shape": "mesh", "file": "nut.stl", "position": [4, 2, 1], "wxyz": [1, 1, 0, 0]},
+        {"shape": "mesh", "file": "rough.stl", "position": [4, 4, 4], "scale": 0.5},
     ]
     return Scene.from_dict({"version": 1, "obstacles": obstacles}, files)
 

@@ -30,7 +30,8 @@ def _scene() -> Scene:
     file = {"shape": "mesh", "file": "bumpy.stl", "position": [1, 1, 5], "scale": 0.3}
     scene = load_scene("paper")
     cube = scene.obstacles[0].model_dump()
-    return scene.replace(obstacles=[cube, file], files={"bumpy.stl": meshes.stl(meshes.bumpy(2))})
+    content = meshes.stl(meshes.inverted(meshes.bumpy(2)))  # which is turned
+    return scene.replace(obstacles=[cube, file], files={"bumpy.stl": content})
 
 
 def test_a_scene_comes_back_with_its_mesh() -> None:
@@ -42,6 +43,9 @@ def test_a_scene_comes_back_with_its_mesh() -> None:
     assert isinstance(kept, Surface)
     assert isinstance(surface, Surface)
     assert surface.notes == kept.notes
+    assert kept.given is not None
+    assert surface.given is not None
+    np.testing.assert_array_equal(surface.given[1], kept.given[1])
 
 
 def test_a_mesh_that_is_not_here_is_named_and_the_rest_comes_back() -> None:
