@@ -30,7 +30,7 @@ from app.teach.exercise_watch import ExerciseWatch
 from app.teach.lesson import Library
 from app.ui import notices
 from app.ui.page_area import Area, label_scale, shows_plots
-from app.ui.panel_folding import PanelFolding
+from app.ui.panel_folding import folding
 
 
 class TabView:
@@ -74,7 +74,7 @@ class TabView:
         self.exercise: ExercisePanel | None = None
         self.panels = AllPanels(client, name, scene, wake, dark, library)
         left, right = self.panels.layout.panels
-        self._foldings = PanelFolding(left, is_left=True), PanelFolding(right, is_left=False)
+        self._foldings = folding(left, is_left=True), folding(right, is_left=False)
         self.layers = {layer: layer(self.panels.layout) for layer in (*LAYERS, *SLOW_LAYERS)}
         with self.panels.layout.result:
             self.playback = PlaybackPanel(client.gui, self.panels.layout.overlay, wake)
@@ -221,8 +221,8 @@ class TabView:
 
     def _fit(self, frame: Frame) -> None:
         """Adapt panels and camera to lecture mode, or end that."""
-        for folding in self._foldings:
-            folding.update(self._area(), frame.lecture)
+        for fold in self._foldings:
+            fold(self._area(), frame.lecture)
         # stages that do not show the arm need no room for it
         alone = frame.stage not in ("", "arm")
         surrounded = (frame.plan, alone) if frame.lecture else None
@@ -243,8 +243,8 @@ class TabView:
         if touched:
             self._faced = None
         area = self._area()
-        for folding in self._foldings:
-            folding.update(area, self.panels.lecture.on)
+        for fold in self._foldings:
+            fold(area, self.panels.lecture.on)
         arrives = self._faced is not None and (frame.plan is self._faced or frame.demonstrates)
         self.viewpoint.fit(area, arrives=arrives)
         shown = label_scale(area, frame.lecture), shows_plots(area)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import viser
 
 from app.ui.page_area import PageArea
@@ -14,47 +16,45 @@ _RAIL = 60
 """Width, [px], below which a panel counts as folded."""
 
 
-class PanelFolding:
-    """Folds a panel that would be in the way, and re-expands it unless the user has toggled it."""
+def folding(
+    panel: viser.MainPanelHandle | viser.PanelHandle, is_left: bool
+) -> Callable[[PageArea | None, bool], None]:
+    """Fold a panel that would be in the way, and re-expand it unless the user has toggled it.
 
-    def __init__(self, panel: viser.MainPanelHandle | viser.PanelHandle, is_left: bool) -> None:
-        """Begin with an open panel, on the left or on the right."""
-        self._panel, self._is_left = panel, is_left
-        self._lecture = self._narrow = self._phone = False
-        self._open = True
-        self._begun = self._ours = self._seen = False
+    Args:
+        panel: which is open.
+        is_left: whether it is on the left.
 
-    def update(self, area: PageArea | None, lecture: bool) -> None:
-        """Fold or unfold when lecture mode begins or ends or the page's width passes a limit."""
-        phone = self._phone if area is None else area.width < PHONE
-        narrow = self._narrow if area is None else area.width < NARROW and not phone
-        if area is not None and not phone and not self._phone:
-            self._look((area.left if self._is_left else area.right) < _RAIL)
-        if (lecture and not self._lecture) or (narrow and not self._narrow):
-            self._fold()
-        elif not (lecture or narrow or phone):
-            self._unfold()
-        self._lecture, self._narrow, self._phone = lecture, narrow, phone
+    Returns:
+        Folds or unfolds it when lecture mode begins or ends or the page's width passes a limit:
+        told of the page's area, None where that is not known, and whether the mode is on.
+    """
+    lecture = narrow = phone = False
+    is_open, ours = True, False  # whether it is open, and whether we have folded it
+    begun = seen = False  # whether the page has shown it, and then folded
 
-    def _look(self, folded: bool) -> None:
-        """Update from the page; a panel that we folded and that is open was opened by the user."""
-        self._begun |= not folded
-        if not self._begun:
-            return  # a new page has no panels yet
-        self._open = not folded
-        self._seen |= folded
-        if self._ours and self._seen and self._open:
-            self._ours = False
+    def update(area: PageArea | None, lectures: bool) -> None:
+        nonlocal lecture, narrow, phone, is_open, ours, begun, seen
+        was_lecture, was_narrow, was_phone = lecture, narrow, phone
+        lecture = lectures
+        if area is not None:
+            phone = area.width < PHONE
+            narrow = area.width < NARROW and not phone
+        if area is not None and not phone and not was_phone:
+            folded = (area.left if is_left else area.right) < _RAIL
+            begun |= not folded
+            if begun:  # a new page has no panels yet
+                is_open = not folded
+                seen |= folded
+                # one that we folded and that is open was opened by the user
+                ours = ours and not (seen and is_open)
+        if (lecture and not was_lecture) or (narrow and not was_narrow):
+            if is_open:
+                panel.minimize()
+                # the page shows it open until it has done so
+                is_open, ours, seen, begun = False, True, False, True
+        elif ours and not (lecture or narrow or phone):
+            panel.expand()
+            is_open, ours = True, False
 
-    def _fold(self) -> None:
-        """Fold the panel unless it is folded."""
-        if self._open:
-            self._panel.minimize()
-            # the page shows it open until it has done so
-            self._open, self._ours, self._seen, self._begun = False, True, False, True
-
-    def _unfold(self) -> None:
-        """Unfold the panel if we folded it."""
-        if self._ours:
-            self._panel.expand()
-            self._open, self._ours = True, False
+    return update

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from app.tab.session import Session
 from app.ui.page_area import PageArea, label_scale
-from app.ui.panel_folding import NARROW, PanelFolding
+from app.ui.panel_folding import NARROW, folding
 from tests.app.fake_tab import FakeTab, labelled, until
 
 WIDE = PageArea(width=1280, left=348, right=384)
@@ -53,11 +53,11 @@ def _folding() -> tuple[Callable[[PageArea, bool], None], _Panel, _Panel]:
     """How both panels are told of the page, and these."""
     left, right = _Panel(), _Panel()
     panels: Any = left, right
-    foldings = [PanelFolding(panel, is_left=panel is left) for panel in panels]
+    foldings = [folding(panel, is_left=panel is left) for panel in panels]
 
     def update(area: PageArea, lecture: bool) -> None:
-        for folding in foldings:
-            folding.update(area, lecture)
+        for fold in foldings:
+            fold(area, lecture)
 
     return update, left, right
 
@@ -176,12 +176,15 @@ def test_for_a_page_that_nobody_sees_nothing_follows_from_the_time(
         assert view.is_due(session.frame) != hidden
 
 
-def test_a_new_area_is_no_input(tab: tuple[FakeTab, Session]) -> None:
+def test_a_new_area_is_no_input(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
     fake, session = tab
-    box = labelled(session, "area")
+    box, fitted = labelled(session, "area"), list[PageArea]()
+    monkeypatch.setattr(session._view.viewpoint, "fit", lambda area, **_: fitted.append(area))
     session._pause.begin()
     begun = session._pause._begun
     fake.set(box, json.dumps(asdict(SLIM)))
     until(lambda: session._view._area() == SLIM)
-    until(lambda: all(one._narrow for one in session._view._foldings))
+    until(lambda: SLIM in fitted)
     assert session._pause._begun == begun
