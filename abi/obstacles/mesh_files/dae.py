@@ -8,6 +8,7 @@ are left out with a note.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator
 from urllib.parse import unquote
 
@@ -16,7 +17,7 @@ from lxml import etree
 
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_files.dae_colours import bound, colours_of, painted
-from abi.obstacles.mesh_files.dae_geometry import GeometryReader
+from abi.obstacles.mesh_files.dae_geometry import Primitive, geometry_notes, read_geometry
 from abi.obstacles.mesh_files.dae_pose import node_pose
 from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, joined, placed
 from abi.obstacles.mesh_files.units import length_of
@@ -35,7 +36,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
         ValueError: says what it ought to be.
     """
     document = _Document(parse(data, "COLLADA"))
-    geometry = GeometryReader(most_faces)
+    tally, known = Counter[str](), dict[etree._Element, tuple[Primitive, ...]]()
     colours = colours_of(document.root)
     parts: list[Parts] = []
     count = 0
@@ -47,13 +48,16 @@ def read(data: bytes, most_faces: int) -> MeshFile:
                 "armature in the program that wrote it"
             )
         by_symbol = bound(instance, colours)
-        for one, symbol in geometry.read(document.target(instance, "geometry")):
+        geometry = document.target(instance, "geometry")
+        if geometry not in known:
+            known[geometry] = read_geometry(geometry, most_faces, tally)
+        for one, symbol in known[geometry]:
             count += len(one.faces)
             if count > most_faces:
                 check_count(count, most_faces)
             parts.append(placed(painted(one, by_symbol.get(symbol)), pose))
     check_count(count, most_faces)
-    notes = (*geometry.left_out(), *document.left_out())
+    notes = (*geometry_notes(tally), *document.left_out())
     return MeshFile(joined(parts), document.metres(), notes, document.up())
 
 

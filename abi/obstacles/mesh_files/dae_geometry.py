@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 from lxml import etree
 
 from abi.arrays import FloatArray, IntArray
 from abi.obstacles.mesh_files.parts import Parts, check_count, check_points
-from abi.obstacles.mesh_files.polygons import check_pairs, cut, triangulate
+from abi.obstacles.mesh_files.polygons import add_pairs, cut, flatness_notes, triangulate
 from abi.obstacles.mesh_files.words import counted, shown
 from abi.obstacles.mesh_files.xml_document import (
     child,
@@ -28,120 +30,121 @@ Primitive = tuple[Parts, str]
 """Triangles of one element of a geometry, and the symbol of their material."""
 
 
-class GeometryReader:
-    """Reader of geometries that reads each once and counts what it leaves out."""
+def read_geometry(
+    geometry: etree._Element, most_faces: int, tally: Counter[str]
+) -> tuple[Primitive, ...]:
+    """Triangles of a geometry.
 
-    def __init__(self, most_faces: int) -> None:
-        self._most = most_faces
-        self._read: dict[str, tuple[Primitive, ...]] = {}
-        self._lines, self._bent, self._pairs = 0, 0, 0
-        self._unknown: dict[str, None] = {}
+    Args:
+        geometry: the geometry.
+        most_faces: refused are more.
+        tally: of the file, as that of :func:`abi.obstacles.mesh_files.polygons.triangulate`;
+            ``lines`` and elements that are not known, as ``<mesh>``, are added to it, too.
 
-    def read(self, geometry: etree._Element) -> tuple[Primitive, ...]:
-        """Triangles of a geometry.
+    Raises:
+        ValueError: it is damaged, or has surfaces that are no polygons.
+    """
+    mesh = child(geometry, "mesh")
+    if len(children(geometry, "mesh")) > 1:
+        raise ValueError(f"a DAE with one mesh in {where(geometry)}")
+    if mesh is None:
+        if child(geometry, "spline") is not None:
+            tally["lines"] += 1
+            return ()
+        raise ValueError(f"a DAE of polygons, {where(geometry)} has none: export a mesh")
+    found = []
+    for element in mesh:
+        kind = name_of(element)
+        if kind in _LINES:
+            tally["lines"] += integer(element, "count")
+        elif kind in _POLYGONS and child(element, "p", "ph") is not None:
+            found.append(_primitive(mesh, element, kind, tally))
+        elif kind not in (*_POLYGONS, *_NO_SURFACE):
+            tally[f"<{kind}>"] += 1
+    check_count(sum(len(parts.faces) for parts, _ in found) or 1, most_faces)
+    return tuple(found)
 
-        Raises:
-            ValueError: it is damaged, or has surfaces that are no polygons.
-        """
-        name = str(geometry.get("id"))
-        if name not in self._read:
-            self._read[name] = self._primitives(geometry)
-        return self._read[name]
 
-    def left_out(self) -> tuple[str, ...]:
-        """Sentences on what of the geometries is not read, or only by assumption."""
-        notes = [f"What its <{name[:40]}> says is left out." for name in self._unknown]
-        if self._bent:
-            noun = counted(self._bent, "polygon")
-            notes.append(f"{noun} not flat: the triangles are one of several ways to fill them.")
-        if self._lines:
-            notes.append(f"{counted(self._lines, 'line')} left out: no surface.")
-        return tuple(notes)
-
-    def _primitives(self, geometry: etree._Element) -> tuple[Primitive, ...]:
-        mesh = child(geometry, "mesh")
-        if len(children(geometry, "mesh")) > 1:
-            raise ValueError(f"a DAE with one mesh in {where(geometry)}")
-        if mesh is None:
-            if child(geometry, "spline") is not None:
-                self._lines += 1
-                return ()
-            raise ValueError(f"a DAE of polygons, {where(geometry)} has none: export a mesh")
-        found = []
-        for element in mesh:
-            kind = name_of(element)
-            if kind in _LINES:
-                self._lines += integer(element, "count")
-            elif kind in _POLYGONS and child(element, "p", "ph") is not None:
-                found.append(self._primitive(mesh, element, kind))
-            elif kind not in (*_POLYGONS, *_NO_SURFACE):
-                self._unknown[kind] = None
-        check_count(sum(len(parts.faces) for parts, _ in found) or 1, self._most)
-        return tuple(found)
-
-    def _primitive(self, mesh: etree._Element, element: etree._Element, kind: str) -> Primitive:
-        points, places = _corner_points(mesh, element)
-        _check_rows(element, kind)
-        rows = [_corners(p, places, len(points)) for p in children(element, "p")]
-        if kind in ("triangles", "polylist"):
-            ids = np.concatenate(rows) if rows else np.empty(0, dtype=np.int32)
-            if kind == "triangles":
-                faces = _triples(ids, element)
-            else:
-                faces = self._polylist(ids, points, element)
-        elif kind == "polygons":
-            faces = self._polygons(rows, points, places, element)
+def _primitive(
+    mesh: etree._Element, element: etree._Element, kind: str, tally: Counter[str]
+) -> Primitive:
+    points, places = _corner_points(mesh, element)
+    _check_rows(element, kind)
+    rows = [_corners(p, places, len(points)) for p in children(element, "p")]
+    if kind in ("triangles", "polylist"):
+        ids = np.concatenate(rows) if rows else np.empty(0, dtype=np.int32)
+        if kind == "triangles":
+            faces = _triples(ids, element)
         else:
-            faces = np.concatenate([np.empty((0, 3), np.int32), *(_run(r, kind) for r in rows)])
-        return Parts(points, faces), str(element.get("material", ""))
+            faces = _polylist(ids, points, element, tally)
+    elif kind == "polygons":
+        faces = _polygons(rows, points, places, element, tally)
+    else:
+        faces = np.concatenate([np.empty((0, 3), np.int32), *(_run(r, kind) for r in rows)])
+    return Parts(points, faces), str(element.get("material", ""))
 
-    def _polylist(self, ids: IntArray, points: FloatArray, element: etree._Element) -> IntArray:
-        lengths = child(element, "vcount")
-        counts = np.empty(0, dtype=np.int32)
-        if lengths is not None:
-            counts = _whole(floats(lengths), element)
-        if counts.sum() != len(ids):
-            raise ValueError(f"as many corners as vcount says in {where(element)}")
-        is_area = counts >= 3
-        self._lines += int((~is_area).sum())
-        kept = ids[np.repeat(is_area, counts)]
-        rows = np.flatnonzero(is_area)
-        found = triangulate(
-            points, kept, counts[is_area], lambda k: f"polygon {rows[k] + 1:,} of {where(element)}"
-        )
-        self._bent += found.bent
-        self._pairs += found.pairs
-        check_pairs(self._pairs)
-        return found.faces
 
-    def _polygons(
-        self, rows: list[IntArray], points: FloatArray, places: slice, element: etree._Element
-    ) -> IntArray:
-        """Triangles of polygons, first those without holes."""
-        sizes = np.array([len(row) for row in rows], dtype=np.int32)
-        self._lines += int((sizes < 3).sum())
-        whole = [row for row in rows if len(row) >= 3]
-        ids = np.concatenate(whole) if whole else np.empty(0, dtype=np.int32)
-        numbers = np.flatnonzero(sizes >= 3)
-        found = triangulate(
-            points,
-            ids,
-            sizes[sizes >= 3],
-            lambda k: f"polygon {numbers[k] + 1:,} of {where(element)}",
-        )
-        self._bent += found.bent
-        self._pairs += found.pairs
-        check_pairs(self._pairs)
-        faces = [found.faces]
-        for holed in children(element, "ph"):
-            rings = [_corners(one, places, len(points)) for one in children(holed, "p", "h")]
-            if not rings or min(map(len, rings)) < 3 or name_of(holed[0]) != "p":
-                raise ValueError(f"rings of three corners or more in {where(holed)}")
-            self._pairs += sum(map(len, rings)) ** 2
-            check_pairs(self._pairs)
-            triangles = cut([points[ring] for ring in rings], where(holed))
-            faces.append(np.concatenate(rings)[triangles])
-        return np.concatenate(faces)
+def _polylist(
+    ids: IntArray, points: FloatArray, element: etree._Element, tally: Counter[str]
+) -> IntArray:
+    lengths = child(element, "vcount")
+    counts = np.empty(0, dtype=np.int32)
+    if lengths is not None:
+        counts = _whole(floats(lengths), element)
+    if counts.sum() != len(ids):
+        raise ValueError(f"as many corners as vcount says in {where(element)}")
+    is_area = counts >= 3
+    tally["lines"] += int((~is_area).sum())
+    kept = ids[np.repeat(is_area, counts)]
+    rows = np.flatnonzero(is_area)
+    return triangulate(
+        points,
+        kept,
+        counts[is_area],
+        lambda k: f"polygon {rows[k] + 1:,} of {where(element)}",
+        tally,
+    )
+
+
+def _polygons(
+    rows: list[IntArray],
+    points: FloatArray,
+    places: slice,
+    element: etree._Element,
+    tally: Counter[str],
+) -> IntArray:
+    """Triangles of polygons, first those without holes."""
+    sizes = np.array([len(row) for row in rows], dtype=np.int32)
+    tally["lines"] += int((sizes < 3).sum())
+    whole = [row for row in rows if len(row) >= 3]
+    ids = np.concatenate(whole) if whole else np.empty(0, dtype=np.int32)
+    numbers = np.flatnonzero(sizes >= 3)
+    found = triangulate(
+        points,
+        ids,
+        sizes[sizes >= 3],
+        lambda k: f"polygon {numbers[k] + 1:,} of {where(element)}",
+        tally,
+    )
+    faces = [found]
+    for holed in children(element, "ph"):
+        rings = [_corners(one, places, len(points)) for one in children(holed, "p", "h")]
+        if not rings or min(map(len, rings)) < 3 or name_of(holed[0]) != "p":
+            raise ValueError(f"rings of three corners or more in {where(holed)}")
+        add_pairs(tally, sum(map(len, rings)) ** 2)
+        triangles = cut([points[ring] for ring in rings], where(holed))
+        faces.append(np.concatenate(rings)[triangles])
+    return np.concatenate(faces)
+
+
+def geometry_notes(tally: Counter[str]) -> tuple[str, ...]:
+    """Sentences on what of the geometries is not read, or only by assumption."""
+    unknown = [name[1:-1] for name in tally if name.startswith("<")]
+    notes = [f"What its <{name[:40]}> says is left out." for name in unknown]
+    notes += flatness_notes(tally)
+    if tally["lines"]:
+        notes.append(f"{counted(tally['lines'], 'line')} left out: no surface.")
+    return tuple(notes)
 
 
 def _check_rows(element: etree._Element, kind: str) -> None:

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
 
 from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, loose_points
-from abi.obstacles.mesh_files.polygons import triangulate
+from abi.obstacles.mesh_files.polygons import flatness_notes, triangulate
 from abi.obstacles.mesh_files.units import commented
 from abi.obstacles.mesh_files.words import counted, lines_of, shown
 
@@ -118,8 +119,9 @@ def read(data: bytes, most_faces: int) -> MeshFile:
         raise ValueError(
             f"faces of the {len(vertices):,} vertices there are, line {place} has {ids[late] + 1:,}"
         )
-    cut = triangulate(points, ids, sizes, lambda k: f"line {numbers[k]}")
-    check_count(len(cut.faces), most_faces)
+    tally = Counter[str]()
+    faces = triangulate(points, ids, sizes, lambda k: f"line {numbers[k]}", tally)
+    check_count(len(faces), most_faces)
     notes = [f"{counted(n, noun)} left out: no surface." for noun, n in left_out.items()]
     if weighted:
         vertices_are = counted(weighted, "vertex", "vertices")
@@ -127,12 +129,12 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     if unknown:
         first = ", ".join(f"{kind} in line {number:,}" for kind, number in [*unknown.items()][:3])
         notes.append(f"What is no statement of OBJ is left out: {first}.")
-    parts = Parts(points, cut.faces)
+    parts = Parts(points, faces)
     said, unknown_units = commented(
         "\n".join(line for line in lines_of(text) if line.lstrip(" \t")[:1] == "#")
     )
     notes += [*loose_points(parts), *unknown_units]
-    return MeshFile(parts, _unit(text), (*cut.notes, *notes), commented=said)
+    return MeshFile(parts, _unit(text), (*flatness_notes(tally), *notes), commented=said)
 
 
 def _lines(text: str) -> Iterator[tuple[int, str]]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 
 import numpy as np
 
 from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, loose_points
-from abi.obstacles.mesh_files.polygons import triangulate
+from abi.obstacles.mesh_files.polygons import flatness_notes, triangulate
 from abi.obstacles.mesh_files.words import counted, float_words, lines_of, shown
 
 _HEADER = re.compile(r"(?:ST)?C?N?OFF")
@@ -57,12 +58,13 @@ def read(data: bytes, most_faces: int) -> MeshFile:
             numbers.append(number)
     corners = np.array([corner for polygon in polygons for corner in polygon], dtype=np.int32)
     sizes = np.array([len(polygon) for polygon in polygons], dtype=np.int32)
-    cut = triangulate(points, corners, sizes, lambda k: f"line {numbers[k]}")
-    check_count(len(cut.faces), most_faces)
-    notes = list(cut.notes)
+    tally = Counter[str]()
+    triangles = triangulate(points, corners, sizes, lambda k: f"line {numbers[k]}", tally)
+    check_count(len(triangles), most_faces)
+    notes = [*flatness_notes(tally)]
     if left := faces - len(polygons):
         notes.append(f"{counted(left, 'face')} of fewer than three corners left out.")
-    parts = Parts(points, cut.faces)
+    parts = Parts(points, triangles)
     return MeshFile(parts, notes=(*notes, *loose_points(parts)))
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 
 import numpy as np
 
 from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.obstacles.mesh_files.parts import NO_COLOURS, MeshFile, Parts, check_count, loose_points
 from abi.obstacles.mesh_files.ply_tables import Table, binary_tables, header, text_tables
-from abi.obstacles.mesh_files.polygons import triangulate
+from abi.obstacles.mesh_files.polygons import flatness_notes, triangulate
 from abi.obstacles.mesh_files.units import commented
 from abi.obstacles.mesh_files.words import counted, lines_of, shown
 
@@ -76,15 +77,16 @@ def _polygons(
     is_area = counts >= 3
     kept = corners[np.repeat(is_area, counts)]
     rows = np.flatnonzero(is_area)
-    cut = triangulate(vertices, kept, counts[is_area], lambda k: f"face {rows[k] + 1:,}")
-    notes = [*cut.notes]
+    sizes, tally = counts[is_area], Counter[str]()
+    triangles = triangulate(vertices, kept, sizes, lambda k: f"face {rows[k] + 1:,}", tally)
+    notes = [*flatness_notes(tally)]
     if lines := int((~is_area).sum()):
         notes.append(f"{counted(lines, 'face')} of fewer than three corners left out.")
     own, points = _rgb(faces), _rgb(vertex)
     if len(own):
-        return cut.faces, own[rows][cut.polygons], notes
-    colours = points[cut.faces].mean(axis=1).astype(np.uint8) if len(points) else NO_COLOURS
-    return cut.faces, colours, notes
+        return triangles, np.repeat(own[rows], sizes - 2, axis=0), notes
+    colours = points[triangles].mean(axis=1).astype(np.uint8) if len(points) else NO_COLOURS
+    return triangles, colours, notes
 
 
 def _rgb(table: Table) -> ByteArray:

@@ -6,8 +6,8 @@ fits them, which keeps every corner. Polygons that cross themselves bound no cer
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -28,33 +28,13 @@ _MOST_PAIRS = 2 * MOST_CORNERS**2
 """Most pairs of edges that are compared in a file, in all its polygons that are not convex."""
 
 
-class PolygonTriangles(NamedTuple):
-    """Triangles of polygons.
-
-    Attributes:
-        faces: (m, 3) ids of the corners; a polygon of n corners has n − 2, all in one place.
-        polygons: (m,) the polygon of each.
-        bent: number of polygons whose corners are in no plane.
-        pairs: pairs of edges of those that are not convex.
-    """
-
-    faces: IntArray
-    polygons: IntArray
-    bent: int
-    pairs: int
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Sentence on polygons that are not flat."""
-        if not self.bent:
-            return ()
-        count = "1 polygon is" if self.bent == 1 else f"{self.bent:,} polygons are"
-        return (f"{count} not flat: the triangles are one of several ways to fill the outline.",)
-
-
 def triangulate(
-    points: FloatArray, corners: IntArray, counts: IntArray, where: Callable[[int], str]
-) -> PolygonTriangles:
+    points: FloatArray,
+    corners: IntArray,
+    counts: IntArray,
+    where: Callable[[int], str],
+    tally: Counter[str],
+) -> IntArray:
     """Triangulate polygons.
 
     Args:
@@ -62,6 +42,11 @@ def triangulate(
         corners: ids of all corners, one polygon after the other.
         counts: (k,) number of corners of each, at least 3.
         where: name of a polygon by its number, for a refusal.
+        tally: of a file; polygons that are ``bent``, whose corners are in no plane, and ``pairs``
+            of edges that are compared are added to it.
+
+    Returns:
+        Ids of the triangles' corners (m, 3); a polygon of n corners has n − 2, all in one place.
 
     Raises:
         ValueError: one crosses itself, or those that are not convex have too many corners.
@@ -69,7 +54,6 @@ def triangulate(
     check_points(points)
     firsts, rows = np.cumsum(counts) - counts, np.cumsum(counts - 2) - (counts - 2)
     faces = np.empty((int((counts - 2).sum()), 3), dtype=np.int32)
-    bent, pairs = 0, 0
     for size in np.unique(counts).tolist():
         chosen = np.flatnonzero(counts == size)
         for some in np.array_split(chosen, 1 + len(chosen) * size // _CHUNK):
@@ -77,30 +61,37 @@ def triangulate(
             places = rows[some, None] + np.arange(size - 2)
             if size > 3:
                 starts, off = _fans(points[rings])
-                bent += int((off > _FLATNESS).sum())
+                tally["bent"] += int((off > _FLATNESS).sum())
                 turned = (np.maximum(starts, 0)[:, None] + np.arange(size)) % size
                 rings = np.take_along_axis(rings, turned, axis=1)
             first = np.broadcast_to(rings[:, :1], (len(some), size - 2))
             faces[places] = np.stack([first, rings[:, 1:-1], rings[:, 2:]], axis=-1)
             if size > 3:
-                pairs += int((starts < 0).sum()) * size**2
-                check_pairs(pairs)
+                add_pairs(tally, int((starts < 0).sum()) * size**2)
                 for k in np.flatnonzero(starts < 0).tolist():
                     ids = cut([points[rings[k]]], where(int(some[k])))
                     faces[places[k]] = rings[k][ids]
-    polygons = np.repeat(np.arange(len(counts), dtype=np.int32), counts - 2)
-    return PolygonTriangles(faces, polygons, bent, pairs)
+    return faces
 
 
-def check_pairs(pairs: int) -> None:
-    """Refuse polygons of which too many edges would be compared.
+def flatness_notes(tally: Counter[str]) -> tuple[str, ...]:
+    """Sentence on the polygons of a file that are not flat."""
+    if not (bent := tally["bent"]):
+        return ()
+    count = "1 polygon is" if bent == 1 else f"{bent:,} polygons are"
+    return (f"{count} not flat: the triangles are one of several ways to fill the outline.",)
+
+
+def add_pairs(tally: Counter[str], pairs: int) -> None:
+    """Count pairs of edges that are to be compared.
 
     Raises:
-        ValueError: more than ``_MOST_PAIRS``.
+        ValueError: there are more than ``_MOST_PAIRS`` in the file.
     """
-    if pairs > _MOST_PAIRS:
+    tally["pairs"] += pairs
+    if tally["pairs"] > _MOST_PAIRS:
         raise ValueError(
-            f"polygons that are convex, or of a few corners: comparing {pairs:,} pairs of their "
+            f"polygons that are convex, or of a few corners: comparing {tally['pairs']:,} pairs of "
             "edges would take minutes, triangulate the mesh in the program that wrote it"
         )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -31,7 +32,7 @@ def in_space(corners: object, wxyz: tuple[float, float, float, float] = (1, 2, 3
 
 def areas(points: FloatArray) -> FloatArray:
     ids, counts = np.arange(len(points), dtype=np.int32), np.array([len(points)], dtype=np.int32)
-    return areas_of(points[triangulate(points, ids, counts, str).faces])
+    return areas_of(points[triangulate(points, ids, counts, str, Counter())])
 
 
 def areas_of(triangles: FloatArray) -> FloatArray:
@@ -88,6 +89,7 @@ def test_a_polygon_that_crosses_itself_is_refused(corners: Sequence[tuple[float,
             np.arange(len(points), dtype=np.int32),
             np.array([len(points)], dtype=np.int32),
             lambda k: f"4711 {k}",
+            Counter(),
         )
 
 
