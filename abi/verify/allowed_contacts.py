@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -21,6 +22,7 @@ from abi.scene.scene import Scene
 from abi.verify.certificate import ARM
 from abi.verify.exact.chain import ExactChain
 from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.robot_chain import exact_joints
 from abi.verify.exact.solids import ExactSolid, LinkPiece
 from abi.verify.fault import Fault
 from abi.verify.link_contact import LinkTriangles, holds, link_triangles, solid_triangles, touch
@@ -144,18 +146,24 @@ def _may_touch(link: str, other: str, reason: object, scene: Scene, chain: Exact
 def are_joined(robot: Robot, chain: ExactChain, link: str, other: str) -> bool:
     """Check whether two links do not move relative to each other, or are joined by one joint.
 
-    It joins no object that is held, no links between which there is one with a shape, and none that
-    a third link carries.
+    It joins no object that is held, no links between which there is one with a shape, none that a
+    third link carries, and none between which there is another joint, which is held.
     """
     between = {*chain.above(chain.frames[link])} ^ {*chain.above(chain.frames[other])}
     if len(between) != 1 or _is_held(robot, {link, other}):
         return not between
+    movable = (joint for joint in robot.joints if joint.kind != "fixed" and joint.low < joint.high)
+    free = {joint.child for joint in movable}
     parents: dict[str, list[str]] = {joint.child: [joint.parent] for joint in robot.joints}
     reached = {link: [*parents.get(link, ())], other: [*parents.get(other, ())]}
     for way in reached.values():
         while way and way[-1] in parents and not robot.links[way[-1]].shapes:
             way += parents[way[-1]]
-    return other in reached[link] or link in reached[other]
+    for low, high in ((link, other), (other, link)):
+        if high in reached[low]:
+            way = [low, *reached[low][: reached[low].index(high)]]
+            return len(free.intersection(way)) <= 1
+    return False
 
 
 def _is_held(robot: Robot, pair: set[str]) -> bool:
@@ -244,6 +252,30 @@ def _check_touching(
         for first, second in pairs:
             if not touch(placed[first], placed[second]):
                 raise Fault(f"{first} and {second}, said to touch always, are apart in some pose")
+    for first, second in pairs:
+        if (wider := _with_held(robot, chain, first, second)) is None:
+            continue
+        both = {name: in_frame(name, robot, wider) for name in (first, second)}
+        for row in _random_rows(wider):
+            placed = placed_at(both, wider, row)
+            if not touch(placed[first], placed[second]):
+                why = "said to touch always, are apart where joints between are held elsewhere"
+                raise Fault(f"{first} and {second}, {why}")
+
+
+def _with_held(robot: Robot, chain: ExactChain, first: str, second: str) -> ExactChain | None:
+    """The chain in which joints that are held between two links move, too; None without any."""
+    above = {joint.child: joint for joint in robot.joints}
+    ways: list[set[str]] = [set(), set()]
+    for link, way in zip((first, second), ways, strict=True):
+        while link in above:
+            way |= {above[link].coordinate} if above[link].kind != "fixed" else set()
+            link = above[link].parent
+    names = ways[0] ^ ways[1]
+    if names <= {*chain.coordinates}:
+        return None
+    free = replace(robot, couplings=())
+    return exact_joints(free, tuple(sorted(names)), (0, 0, 0), int(chain.units))
 
 
 def check_insides(

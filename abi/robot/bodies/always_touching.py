@@ -31,6 +31,7 @@ def always_touch(chain: Chain, first: str, second: str) -> bool:
     one, other = (chain.robot.links[name] for name in (first, second))
     if not one.shapes or not other.shapes:
         return False
+    chain = with_held(chain, first, second)
     low, high = chain.usual_range().T
     positions = np.random.default_rng(1).uniform(low, high, (_POSES, len(low)))
     # links that part at the end of a range part where few random poses are
@@ -39,6 +40,25 @@ def always_touch(chain: Chain, first: str, second: str) -> bool:
         at_ends[:, column] = np.repeat(ends, _AT_ENDS)
         positions = np.concatenate([positions, at_ends])
     return touch_in_all(one, other, *relative_poses(chain, first, second, positions))
+
+
+def with_held(chain: Chain, first: str, second: str) -> Chain:
+    """A chain, or one in which the joints that it holds between two links move, too."""
+    above = {joint.child: joint for joint in chain.robot.joints}
+    ways: list[set[str]] = []
+    for link in (first, second):
+        way = set()
+        while link in above:
+            if above[link].kind != "fixed":
+                way.add(above[link].coordinate)
+            link = above[link].parent
+        ways.append(way)
+    names = tuple(one for one in sorted(ways[0] ^ ways[1]) if one in chain.held)
+    if not names:
+        return chain
+    free = {joint.name for joint in chain.robot.joints if joint.mimic is None}
+    held = {name: at for name, at in chain.held.items() if name in free and name not in names}
+    return Chain.moved_by(chain.robot, (*chain.names, *names), held=held)
 
 
 def touch_in_all(one: Link, other: Link, turned: FloatArray, moved: FloatArray) -> bool:

@@ -159,17 +159,20 @@ def joints_to(robot: Robot, tip: str) -> tuple[Joint, ...]:
 
 
 def meet(robot: Robot, first: str, second: str) -> bool:
-    """Check whether one of two links carries the other, by links without collision shapes alone.
+    """Check whether one of two links carries the other by one joint that can move.
 
-    Links that a third one carries do not meet, whether or not that has a shape: a post that stands
-    beside a rail is as far from the carriage as its author puts it.
+    Between them are links without collision shapes alone, and no joint that is held. Links that a
+    third one carries do not meet, whether or not that has a shape: a post that stands beside a rail
+    is as far from the carriage as its author puts it.
     """
-    above = {joint.child: joint.parent for joint in robot.joints}
+    above = {joint.child: joint for joint in robot.joints}
     for link, other in ((first, second), (second, first)):
+        moving = 0
         while link in above:
-            link = above[link]
+            moving += above[link].kind != "fixed" and above[link].low < above[link].high
+            link = above[link].parent
             if link == other:
-                return True
+                return moving <= 1
             if robot.links[link].shapes:
                 break
     return False

@@ -208,13 +208,22 @@ def test_planner_and_verifier_find_the_same_links_joined(seed: int) -> None:
     bare = {name for name in robot.links if random.random() < 0.4}
     links = {n: replace(one, shapes=()) if n in bare else one for n, one in robot.links.items()}
     robot = replace(robot, links=links)
-    names = tuple(one.name for one in robot.joints if one.kind != "fixed" and not one.mimic)
+    free = [one.name for one in robot.joints if one.kind != "fixed" and not one.mimic]
+    names = tuple(name for name in free if random.random() < 0.8)  # the others are held
     assume(names)
+    above = {one.child: one for one in robot.joints}
     chain, exact = Chain.moved_by(robot, names), exact_joints(robot, names, (0, 0, 0), 1)
     frames = chain.frames
     for first, second in itertools.combinations(robot.links, 2):
         reason = tree_reason(chain, (first, second), (frames[first], frames[second]))
         assert (reason == "adjacent") == are_joined(robot, exact, first, second)
+        if reason == "adjacent" and frames[first] != frames[second]:
+            ways: list[set[str]] = [set(), set()]
+            for way, name in zip(ways, (first, second), strict=True):
+                while name in above:
+                    way |= {name} if above[name].kind != "fixed" else set()
+                    name = above[name].parent
+            assert len(ways[0] ^ ways[1]) == 1
 
 
 def test_what_is_fixed_beside_a_joint_is_no_neighbour_of_what_it_moves() -> None:
@@ -255,6 +264,10 @@ def test_links_that_part_only_at_the_end_of_a_range_overlap_not_always(
     arm = urdf_arm(robot_from_archive(packed({"a.urdf": text})), "pin", (0.0, 0.0, 0.0))
     reasons = [one.reason for one in arm.allowed if {one.link, one.other} == {"slab", "pin"}]
     assert reasons == (["always"] if always else [])
+    # a joint that is held between them could part them
+    wide = text.replace('upper="0.5"', 'upper="1.5"')
+    arm = urdf_arm(robot_from_archive(packed({"a.urdf": wide})), "m", (0.0, 0.0, 0.0))
+    assert not [one for one in arm.allowed if {one.link, one.other} == {"slab", "pin"}]
 
 
 @given(low=st.floats(-15, 15), long=st.floats(0.1, 20), factor=st.sampled_from([None, 2.0, 0.5]))
