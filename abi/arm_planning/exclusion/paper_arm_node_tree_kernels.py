@@ -42,21 +42,6 @@ _ROUNDING = 1e-9
 """Part of the largest coordinate by which an arm may move farther, by rounding."""
 
 
-class _Widths(NamedTuple):
-    """An arm's forearm, and how far its capsules stand out.
-
-    Attributes:
-        forearm: length a6, [unit].
-        upper, fore: farthest that they stand out from the lines of upper arm and forearm, [unit].
-        stretch: how much farther than elbow and tool points of them go, at most.
-    """
-
-    forearm: float
-    upper: float
-    fore: float
-    stretch: float
-
-
 class _Near(NamedTuple):
     """What is known of the arm while its tool is anywhere in a ball.
 
@@ -73,8 +58,8 @@ class _Near(NamedTuple):
 
 
 @jitable
-def _widths_of(arm: ArmTable, forearm: float) -> _Widths:
-    """How far the capsules stand out from the arm's lines, and past their ends.
+def _stretch_of(arm: ArmTable, forearm: float) -> float:
+    """How much farther than elbow and tool points of the capsules go, at most.
 
     A point at a share t of the forearm goes no farther than abs(1 - t) + abs(t) times what goes
     farther, the elbow or the tool.
@@ -91,8 +76,7 @@ def _widths_of(arm: ArmTable, forearm: float) -> _Widths:
                 end += 0.0 if body == FOREARM else forearm - arm.forearm
                 share = end / forearm
                 most = max(most, abs(1.0 - share) + abs(share))
-    _, _, upper, fore = outline(arm)
-    return _Widths(forearm, upper, fore, most)
+    return most
 
 
 @jitable(forceinline=True)
@@ -124,32 +108,35 @@ def _clear_of(
 @jitable
 def _near_ball(
     arm: ArmTable,
+    forearm: float,
     obstacle: tuple[Obstacles, int],
     ball: tuple[Vec3, float],
     known: _Near,
     likely: tuple[int, int],
-    widths: _Widths,
+    widths: tuple[float, float, float],
     waiting: IntArray,
 ) -> _Near:
     """Decide from the pose in the middle of a ball of tool positions whether all of it is clear.
 
     Args:
         arm: the arm.
+        forearm: length a6, [unit].
         obstacle: what to keep clear of, and the row with all of it.
         ball: centre and radius, [unit], world.
         known: of a ball around it.
         likely: the capsule that touched something last, and what, -1 for nothing.
-        widths: how far capsules stand out.
+        widths: farthest that capsules stand out from the lines of upper arm and forearm, [unit],
+            and how much farther than elbow and tool their points go, at most.
         waiting: room for ``DEPTH`` rows.
     """
-    (around, root), (centre, radius) = obstacle, ball
-    if not reaches(arm, centre, widths.forearm):
+    (around, root), (centre, radius), (of_upper, of_fore, stretch) = obstacle, ball, widths
+    if not reaches(arm, centre, forearm):
         return known
-    pose = pose_of(arm, centre, widths.forearm)
+    pose = pose_of(arm, centre, forearm)
     rate = rates_near(arm, pose, radius, 0.0).elbow
     if math.isinf(rate):
         return known
-    way, margin = widths.stretch * rate * radius + _ROUNDING * around.size, around.margins[root]
+    way, margin = stretch * rate * radius + _ROUNDING * around.size, around.margins[root]
     c, row = likely
     need = arm.capsules[CAPSULE * c + 3] + margin - way
     if row >= 0 and need > 0:
@@ -158,10 +145,10 @@ def _near_ball(
             return _Near(known.upper, known.fore, True, known.rows)
     upper, fore, _, (first, second) = known
     if not upper:
-        need = widths.upper + margin + way
+        need = of_upper + margin + way
         upper, first = _clear_of(around, root, (pose.shoulder, pose.elbow), need, first, waiting)
     if not fore:
-        need = widths.fore + margin + way
+        need = of_fore + margin + way
         fore, second = _clear_of(around, root, (pose.elbow, centre), need, second, waiting)
     return _Near(upper, fore, False, (first, second))
 
@@ -187,8 +174,8 @@ def places_touching(
     """
     (around, root), capsules = obstacle, arm.capsules
     count, margin = len(around.margins), around.margins[root]
-    still, _, _, _ = outline(arm)
-    widths = _widths_of(arm, forearm)
+    still, _, of_upper, of_fore = outline(arm)
+    widths = of_upper, of_fore, _stretch_of(arm, forearm)
     own = np.empty(DEPTH, np.int32)
     waiting = borrowed(own)
     latest = np.full(len(capsules) // CAPSULE, -1)  # what each capsule touched last
@@ -201,7 +188,7 @@ def places_touching(
         if level % _EVERY == 0 or branch >= inner:
             ball = vec3_at(nodes.balls, 4 * branch), nodes.balls[4 * branch + 3]
             guess = likely, int(latest[likely])
-            near = _near_ball(arm, obstacle, ball, near, guess, widths, waiting)
+            near = _near_ball(arm, forearm, obstacle, ball, near, guess, widths, waiting)
             rows = near.rows
         if near.upper and near.fore:
             continue
