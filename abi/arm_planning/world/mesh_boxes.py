@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from abi import arguments
@@ -22,39 +20,27 @@ _MOST_TRIANGLES = 20_000
 """Number of triangles beyond which a mesh is replaced by the boxes of a tree's leaves."""
 
 
-class Boxes(NamedTuple):
-    """A tree of boxes that contain the triangles of a surface, in the file's unit.
-
-    Attributes:
-        middles: (n, 3).
-        halves: half sizes (n, 3).
-        axes: as columns (n, 3, 3).
-        inside: first and last but one of the boxes in each, 0 and 0 of the last ones, (n, 2).
-    """
-
-    middles: FloatArray
-    halves: FloatArray
-    axes: FloatArray
-    inside: IntArray
-
-
 def write_boxes(mesh: MeshShape, rows: FloatArray) -> None:
     """Write the rows of the boxes of a mesh, flat (n ``WIDTH``,), 0 at first."""
-    boxes = boxes_of(mesh.surface)
-    count = len(boxes.inside) * WIDTH
+    middles, halves, axes, inside = boxes_of(mesh.surface)
+    count = len(inside) * WIDTH
     if arguments.numbers("rows", rows, (count,), infinite=True) is not rows:
         raise ArgumentError("rows", rows.dtype, "float64 without gaps, as it is written to")
     a, b, c = (vec3_at(flat(axis), 0) for axis in rotation(mesh.wxyz).T)
-    flat_boxes = flat(boxes.middles), flat(boxes.halves), flat(boxes.axes)
+    flat_boxes = flat(middles), flat(halves), flat(axes)
     box_rows(*flat_boxes, (a, b, c), mesh.position, mesh.factor, rows)
 
 
 @per_surface
-def boxes_of(surface: Surface) -> Boxes:
+def boxes_of(surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
     """Boxes of a tree over the triangles, and a flat one for each triangle, in its plane.
 
     Of a mesh of many triangles these are left out. Each box holds those inside it: were a flat one
     to stick out, an arm could be clear of the one and in the way of the other.
+
+    Returns:
+        Middles (n, 3), half sizes (n, 3) and axes as columns (n, 3, 3), in the file's unit; and
+        first and last but one of the boxes in each, 0 and 0 of the last ones, (n, 2).
     """
     tree = tree_of(surface)
     low, high = np.split(tree.boxes.reshape(-1, 6), 2, axis=1)
@@ -64,7 +50,7 @@ def boxes_of(surface: Surface) -> Boxes:
     inside[:inner] = 2 * np.arange(inner)[:, None] + (1, 3)
     upright = np.tile(np.eye(3), (nodes, 1, 1))
     if len(surface.faces) > _MOST_TRIANGLES:
-        return Boxes((low + high) / 2, (high - low) / 2, upright, inside)
+        return (low + high) / 2, (high - low) / 2, upright, inside
     inside[inner:, 0], inside[inner:, 1] = tree.leaves[:-1] + nodes, tree.leaves[1:] + nodes
     corners = tree.corners.reshape(-1, 3, 3)
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
@@ -76,7 +62,7 @@ def boxes_of(surface: Surface) -> Boxes:
     spread = np.einsum("nij,nj->ni", np.abs(axes), halves)
     low = _united(np.minimum, middles - spread, tree.leaves, inner)
     high = _united(np.maximum, middles + spread, tree.leaves, inner)
-    return Boxes(
+    return (
         np.concatenate([(low + high) / 2, middles]),
         np.concatenate([(high - low) / 2, halves]),
         np.concatenate([upright, axes]),

@@ -134,7 +134,7 @@ class RowTable:
         if isinstance(one, MeshShape):
             if made is None:
                 write_boxes(one, self._rows[part].reshape(-1))
-            tree = boxes_of(one.surface).inside
+            *_, tree = boxes_of(one.surface)
             self._inside[part] = np.where(tree[:, 1:] > 0, tree + np.int32(part.start), 0)
             self._meshes[part] = number
         return part
@@ -144,4 +144,4 @@ def _size(one: Obstacle | CollisionWorld) -> int:
     """Rows of an obstacle, or of the arm's own."""
     if isinstance(one, CollisionWorld):
         return len(one.numbers) - 1
-    return len(boxes_of(one.surface).inside) if isinstance(one, MeshShape) else 1
+    return len(boxes_of(one.surface)[0]) if isinstance(one, MeshShape) else 1
