@@ -14,8 +14,9 @@ import numpy as np
 
 from abi.arm_planning.branch.arm_branch import ArmBranch
 from abi.arm_planning.branch.chain_branch import ChainBranch
+from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.branch.pose_pairs import PosePair, pose_pairs
-from abi.arm_planning.branch.segment_memory import Followed, SegmentMemory
+from abi.arm_planning.branch.segment_memory import SegmentMemory
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations, spread_over
 from abi.arm_planning.motion.urdf_motion import (
@@ -181,7 +182,7 @@ class UrdfArmModel:
         self, margin: float, followed: Followed, around: CollisionWorld, with_itself: bool
     ) -> Refutation | None:
         """Why the arm, standing still, is not proven clear."""
-        _, joints, _ = followed
+        joints = followed.joints
         return chain_refutation(self.arm, joints, around, margin, with_itself=with_itself)
 
     def _branch(
@@ -232,4 +233,4 @@ def _first_ones(clear: Iterable[int]) -> list[int]:
 def _still(pose: FloatArray) -> Followed:
     """Joint path of an arm that stands still."""
     nothing = np.zeros(2)
-    return nothing, np.stack([pose, pose]), nothing
+    return Followed(nothing, np.stack([pose, pose]), nothing)

@@ -14,7 +14,8 @@ import numpy as np
 
 from abi import progress
 from abi.arm_planning.arm_errors import no_joint_motion
-from abi.arm_planning.branch.segment_memory import Followed, SegmentMemory
+from abi.arm_planning.branch.followed import Followed
+from abi.arm_planning.branch.segment_memory import SegmentMemory
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.joint_search.held_direction import HeldDirection
 from abi.arm_planning.joint_search.joint_motion import passage_of, proven_motion
@@ -166,10 +167,9 @@ class JointSpaceMotions:
         unmissed = np.arange(float(len(positions))), positions, np.zeros(len(positions))
 
         def refute(way: Followed, around: CollisionWorld, itself: bool) -> Refutation | None:
-            _, joints, _ = way
-            return _refutation(replace(space, collision_world=around), joints, itself)
+            return _refutation(replace(space, collision_world=around), way.joints, itself)
 
-        return self._memory.examined(key, lambda: unmissed, refute)[1]
+        return self._memory.examined(key, lambda: Followed(*unmissed), refute)[1]
 
 
 def _refutation(

@@ -10,7 +10,8 @@ import numpy as np
 
 from abi import arguments
 from abi.arm_planning.arm_errors import LinkContact, Unreached
-from abi.arm_planning.branch.segment_memory import Followed, SegmentMemory
+from abi.arm_planning.branch.followed import Followed
+from abi.arm_planning.branch.segment_memory import SegmentMemory
 from abi.arm_planning.certificates.chain_certificate import MOST_TRIES as CURVE_TRIES
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.exclusion.arm_path_kernels import MOST_TRIES
@@ -121,9 +122,9 @@ class ChainBranch:
         clear = np.zeros(len(points) - 1, dtype=np.bool_)
         pose: tuple[FloatArray, FloatArray] | None = None
         for k in range(len(clear)):
-            (_, joints, _), fault = self._examined(points[k : k + 2], pose)
+            followed, fault = self._examined(points[k : k + 2], pose)
             clear[k] = fault is None
-            pose = (points[k + 1], joints[-1]) if clear[k] else None
+            pose = (points[k + 1], followed.joints[-1]) if clear[k] else None
         return clear
 
     def joint_path(self, curve: Curve, arc: ArcLength) -> ChainJointPath:
@@ -185,7 +186,7 @@ class ChainBranch:
     def _follow_curve(self, parameters: FloatArray, points: FloatArray) -> Followed:
         """Joints at points (k, 3) of a curve, from the first pose."""
         first, home = self.configurations.first, self.configurations.home
-        return parameters, *self.arm.follow(first, points, home)
+        return Followed(parameters, *self.arm.follow(first, points, home))
 
     def _follow_polyline(
         self, vertices: FloatArray, begin: tuple[FloatArray, FloatArray] | None
@@ -200,7 +201,7 @@ class ChainBranch:
         begin = begin or self.configurations.near(vertices[0])
         if begin is None:  # no node is reached
             nowhere = np.full((1, len(self.configurations.first)), np.nan)
-            return np.zeros(1), nowhere, np.full(1, np.inf)
+            return Followed(np.zeros(1), nowhere, np.full(1, np.inf))
         lengths = np.linalg.norm(np.diff(vertices, axis=0), axis=1)
         counts = np.ceil(lengths / (_STEP * self.arm.reach)).astype(int).clip(1)
         parameters = np.concatenate(
@@ -210,7 +211,7 @@ class ChainBranch:
         targets = np.stack([np.interp(parameters, rows, part) for part in vertices.T], axis=1)
         points = np.concatenate([[begin[0]], targets])
         joints, missed = self.arm.follow(begin[1], points, self.configurations.home)
-        return parameters, joints[1:], missed[1:]
+        return Followed(parameters, joints[1:], missed[1:])
 
     def _refutation(
         self,

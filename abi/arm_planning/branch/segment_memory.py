@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Sequence
 
+from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.motion.urdf_motion import ChainJointPath
 from abi.arm_planning.world.collision_world import CollisionWorld
-from abi.arrays import FloatArray
 from abi.curves.clearance.certificate import Refutation
 from abi.obstacles.obstacle_set import Obstacle
 
@@ -24,11 +24,6 @@ _WORLDS = 16
 Key = tuple[object, ...]
 """Cache key beside the collision world, such as the bytes of a polyline."""
 
-
-Followed = tuple[FloatArray, FloatArray, FloatArray]
-"""Joints along a polyline, a curve or a motion: parameters of its places, vertex k of a polyline
-being k, of a motion times, (m,), [s]; joint positions there, (m, n), [rad] or [unit]; and distances
-by which each place is missed, (m,), [unit]."""
 
 Refute = Callable[[Followed, CollisionWorld, bool], Refutation | None]
 """Function that finds where joints are not clear of the world and, with the flag, of the arm

@@ -6,7 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from abi.arm_planning.branch.segment_memory import Followed, SegmentMemory
+from abi.arm_planning.branch.followed import Followed
+from abi.arm_planning.branch.segment_memory import SegmentMemory
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arm_planning.world.collision_world import CollisionWorld
@@ -30,8 +31,7 @@ class Asked:
     ) -> Refutation | None:
         self.whole += with_itself
         self.parts += not with_itself
-        _, joints, _ = followed
-        return chain_refutation(self.arm, joints, around, MARGIN, with_itself=with_itself)
+        return chain_refutation(self.arm, followed.joints, around, MARGIN, with_itself=with_itself)
 
 
 def some_box(random: np.random.Generator) -> Box:
@@ -42,7 +42,7 @@ def some_box(random: np.random.Generator) -> Box:
 def test_what_is_remembered_is_what_asking_anew_tells() -> None:
     asked, random, memory = Asked(), np.random.default_rng(0), SegmentMemory()
     nothing = np.zeros(7)
-    ways = [(nothing, joint_path(asked.arm, random, 0.1), nothing) for _ in range(12)]
+    ways = [Followed(nothing, joint_path(asked.arm, random, 0.1), nothing) for _ in range(12)]
     shapes, seen, answers = [some_box(random) for _ in range(4)], set(), 0
     for step in range(40):
         if step % 4:  # every fourth time nothing has moved
@@ -51,8 +51,8 @@ def test_what_is_remembered_is_what_asking_anew_tells() -> None:
         floor = 2.6 if step // 6 == 3 else -10.0  # of another one nothing is known
         around = chain_world(asked.arm, obstacles, floor)
         memory.enter(around)
-        for number, (_, joints, _) in enumerate(ways):
-            expected = chain_refutation(asked.arm, joints, around, MARGIN)
+        for number, way in enumerate(ways):
+            expected = chain_refutation(asked.arm, way.joints, around, MARGIN)
             follow = partial(ways.__getitem__, number)
             _, found = memory.examined((number,), follow, asked.refutation)
             answers += 1
@@ -60,7 +60,7 @@ def test_what_is_remembered_is_what_asking_anew_tells() -> None:
             seen.add(None if found is None else found.obstacle >= 0)
             if found is not None and found.obstacle >= 0:
                 alone = around.only(around.numbers == found.obstacle)
-                assert chain_refutation(asked.arm, joints, alone, MARGIN) is not None
+                assert chain_refutation(asked.arm, way.joints, alone, MARGIN) is not None
     assert {None, True} <= seen
     assert asked.parts > 0
     assert asked.whole + asked.parts < 0.8 * answers
