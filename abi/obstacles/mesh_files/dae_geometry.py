@@ -9,7 +9,7 @@ from lxml import etree
 
 from abi.arrays import FloatArray, IntArray
 from abi.obstacles.mesh_files.parts import Parts, check_count, check_points
-from abi.obstacles.mesh_files.polygons import add_pairs, cut, flatness_notes, triangulate
+from abi.obstacles.mesh_files.polygons import add_pairs, cut, flatness_notes, is_bent, triangulate
 from abi.obstacles.mesh_files.words import counted, shown
 from abi.obstacles.mesh_files.xml_document import (
     child,
@@ -132,7 +132,9 @@ def _polygons(
         if not rings or min(map(len, rings)) < 3 or name_of(holed[0]) != "p":
             raise ValueError(f"rings of three corners or more in {where(holed)}")
         add_pairs(tally, sum(map(len, rings)) ** 2)
-        triangles = cut([points[ring] for ring in rings], where(holed))
+        outlines = [points[ring] for ring in rings]
+        tally["bent"] += is_bent(outlines)
+        triangles = cut(outlines, where(holed))
         faces.append(np.concatenate(rings)[triangles])
     return np.concatenate(faces)
 

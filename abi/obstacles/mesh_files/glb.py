@@ -94,6 +94,12 @@ def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
         raise ValueError("a GLB file, its description is not JSON with each name once") from None
     if not isinstance(document, dict):
         raise ValueError("a GLB file, its description is not a mapping")
+    told = document.get("asset")
+    asset = told if isinstance(told, dict) else {}
+    version, least = str(asset.get("version", "2.0")), str(asset.get("minVersion", "2.0"))
+    if least != "2.0" or not version.startswith("2."):
+        version = version if least == "2.0" else least
+        raise ValueError(f"glTF 2.0, but this asks for version {shown(version)}")
     return document, binary
 
 
@@ -142,9 +148,16 @@ class _File:
 
     def roots(self) -> object:
         """Numbers of the nodes that the default scene begins with; without scenes of all nodes'."""
-        if "scenes" in self.document:
-            return self.item("scenes", self.document.get("scene", 0)).get("nodes", [])
         inner = {str(child) for node in self._entries("nodes") for child in _children(node)}
+        if "scenes" in self.document:
+            roots = self.item("scenes", self.document.get("scene", 0)).get("nodes", [])
+            for root in roots if isinstance(roots, list) else ():
+                if str(root) in inner:
+                    raise ValueError(
+                        "a GLB file whose nodes form trees, with whose roots its scene begins: "
+                        f"nodes[{str(root)[:12]}] is in another"
+                    )
+            return roots
         nodes = self.document.get("nodes")
         count = len(nodes) if isinstance(nodes, list) else 0
         return [k for k in range(count) if str(k) not in inner]
@@ -264,7 +277,9 @@ class _File:
         if any(type(number) is not int or number < 0 for number in (inner, outer, length, stride)):
             raise ValueError("a GLB file with whole numbers for its lengths")
         end = inner + stride * (count - 1) + row
-        if not row <= stride <= 252 or end > length or outer + length > len(self._binary):
+        size = buffer.get("byteLength")
+        size = min(size, len(self._binary)) if type(size) is int else 0
+        if not row <= stride <= 252 or end > length or outer + length > size:
             raise ValueError("a whole GLB file, its numbers go on past its end")
         values: np.ndarray[Any, Any] = np.ndarray(
             (count, columns), dtype, self._binary, outer + inner, (stride, dtype.itemsize)

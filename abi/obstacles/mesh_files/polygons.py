@@ -96,6 +96,14 @@ def add_pairs(tally: Counter[str], pairs: int) -> None:
         )
 
 
+def is_bent(rings: Sequence[FloatArray]) -> bool:
+    """Check whether corners of an outline, and of its holes, are in no plane."""
+    points = np.concatenate(rings) - rings[0].mean(axis=0)
+    normal = _area_vectors(points[None, : len(rings[0])])[0]
+    off = np.abs(points @ normal).max()
+    return bool(off > _FLATNESS * np.ptp(points, axis=0).max() * np.linalg.norm(normal))
+
+
 def cut(rings: Sequence[FloatArray], name: str) -> IntArray:
     """Triangulate one polygon, as indices into the corners of all its rings.
 

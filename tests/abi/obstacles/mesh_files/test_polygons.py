@@ -136,7 +136,11 @@ def test_a_hole_of_a_dae_stays_open() -> None:
     text = files_of([*square, *hole])["a.dae"].decode()
     start, end = text.index("<vcount>"), text.index("</polylist>")
     holed = f"{text[:start]}<ph><p>0 1 2 3</p><h>4 5 6 7</h></ph>{text[end:]}"
-    vertices, faces = read(holed.replace("polylist", "polygons").encode(), "a.dae")
+    holed = holed.replace("polylist", "polygons")
+    vertices, faces = read(holed.encode(), "a.dae")
+    assert "not flat" not in str(read_file(holed.encode(), "a.dae").notes)
+    bent = holed.replace("1 1 0", "1 1 0.5", 1).encode()
+    assert "not flat" in str(read_file(bent, "a.dae").notes)
     assert areas_of(vertices[faces]).sum() == pytest.approx(16 - 1)
 
 
