@@ -5,8 +5,7 @@ So Foxglove draws it from the recording alone: meshes that a URDF names are nowh
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -23,29 +22,10 @@ _STILL = 1e-9
 _GREY: Colour = (0.72, 0.75, 0.79, 1.0)
 
 
-class LinkFrame(NamedTuple):
-    """Poses of a link in the frame of its parent.
-
-    Attributes:
-        parent, child: names of both frames.
-        positions: (samples, 3), [m].
-        wxyz: quaternions, (samples, 4).
-    """
-
-    parent: str
-    child: str
-    positions: FloatArray
-    wxyz: FloatArray
-
-    def message(self, sample: int, time: float) -> Part:
-        """The frame at a sample, as of a time [s]."""
-        return {
-            "timestamp": mcap_entities.stamp(time),
-            "parent_frame_id": self.parent,
-            "child_frame_id": self.child,
-            "translation": mcap_entities.by_letter("xyz", self.positions[sample]),
-            "rotation": mcap_entities.by_letter("wxyz", self.wxyz[sample]),
-        }
+Frames = Mapping[tuple[str, str], FloatArray]
+"""Poses x, y, z [m], w, x, y, z of frames in their parents, (samples, 7), by the names of parent
+and frame.
+"""
 
 
 def scene_frame(chain: Chain) -> str:
@@ -84,7 +64,7 @@ def joint_states(trajectory: JointTrajectory, legs: Sequence[tuple[Chain, int]])
 
 def link_frames(
     chain: Chain, positions: FloatArray, legs: Sequence[tuple[Chain, int]]
-) -> tuple[list[LinkFrame], list[LinkFrame]]:
+) -> tuple[Frames, Frames]:
     """Frames of links that never move in their parents, and of those that do.
 
     Args:
@@ -138,14 +118,12 @@ def link_entities(chain: Chain) -> Part:
     }
 
 
-def _frames(
-    world: dict[str, FloatArray], pairs: list[tuple[str, str]], samples: int
-) -> list[LinkFrame]:
+def _frames(world: dict[str, FloatArray], pairs: list[tuple[str, str]], samples: int) -> Frames:
     """Poses of the second frame of each pair in the first, at the first samples."""
-    found = []
+    found = {}
     for parent, child in pairs:
         poses = np.linalg.inv(world[parent][:samples]) @ world[child][:samples]
-        found.append(LinkFrame(parent, child, poses[:, :3, 3], quaternions(poses[:, :3, :3])))
+        found[parent, child] = np.hstack([poses[:, :3, 3], quaternions(poses[:, :3, :3])])
     return found
 
 

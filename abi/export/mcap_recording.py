@@ -15,7 +15,7 @@ import numpy as np
 from abi.export.carried_objects import carried_objects, chains_of_legs
 from abi.export.joint_trajectory import joint_trajectory, motion_of, motion_state
 from abi.export.mcap_arm import (
-    LinkFrame,
+    Frames,
     joint_states,
     link_entities,
     link_frames,
@@ -25,6 +25,7 @@ from abi.export.mcap_arm import (
 from abi.export.mcap_entities import (
     Part,
     by_kind,
+    by_letter,
     entity,
     line,
     pose_of,
@@ -116,8 +117,19 @@ def _messages(plan: Plan, description: str) -> Iterator[tuple[str, float, Part]]
         yield "/tool", time, place
 
 
-def _transforms(frames: list[LinkFrame], sample: int, time: float) -> Part:
-    return {"transforms": [frame.message(sample, time) for frame in frames]}
+def _transforms(frames: Frames, sample: int, time: float) -> Part:
+    return {
+        "transforms": [
+            {
+                "timestamp": stamp(time),
+                "parent_frame_id": parent,
+                "child_frame_id": child,
+                "translation": by_letter("xyz", poses[sample, :3]),
+                "rotation": by_letter("wxyz", poses[sample, 3:]),
+            }
+            for (parent, child), poses in frames.items()
+        ]
+    }
 
 
 def _scene(plan: Plan, frame: str) -> Part:

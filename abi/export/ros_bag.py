@@ -12,7 +12,7 @@ from typing import Any
 
 from abi.export.carried_objects import chains_of_legs
 from abi.export.joint_trajectory import joint_trajectory, motion_of, motion_state
-from abi.export.mcap_arm import LinkFrame, joint_states, link_frames, quaternions, scene_frame
+from abi.export.mcap_arm import Frames, joint_states, link_frames, quaternions, scene_frame
 from abi.export.ros_definitions import DEFINITIONS
 from abi.export.ros_trajectory import trajectory_message
 from abi.obstacles.pose import METRES
@@ -73,18 +73,18 @@ def _messages(plan: Plan) -> Iterator[tuple[str, float, _Message]]:
         yield "/tool", time, place
 
 
-def _transforms(frames: list[LinkFrame], sample: int, time: float) -> _Message:
+def _transforms(frames: Frames, sample: int, time: float) -> _Message:
     return {
         "transforms": [
             {
-                "header": _header(time, frame.parent),
-                "child_frame_id": frame.child,
+                "header": _header(time, parent),
+                "child_frame_id": child,
                 "transform": {
-                    "translation": _xyz(frame.positions[sample].tolist()),
-                    "rotation": _wxyz(frame.wxyz[sample].tolist()),
+                    "translation": _xyz(poses[sample, :3].tolist()),
+                    "rotation": _wxyz(poses[sample, 3:].tolist()),
                 },
             }
-            for frame in frames
+            for (parent, child), poses in frames.items()
         ]
     }
 

@@ -67,22 +67,22 @@ def test_the_frames_and_joints_of_a_sequence_have_the_gripper_of_each_leg() -> N
     legs = [(open_.chain, 2), (closed.chain, 4), (open_.chain, 6)]
     still, moving = link_frames(open_.chain, positions, legs)
     fingers = {"panda_leftfinger", "panda_rightfinger"}
-    assert fingers <= {one.child for one in moving}
-    assert not fingers & {one.child for one in link_frames(open_.chain, positions, legs[2:])[1]}
+    assert fingers <= {child for _, child in moving}
+    assert not fingers & {child for _, child in link_frames(open_.chain, positions, legs[2:])[1]}
     names = open_.chain.names
     trajectory = JointTrajectory(names, np.arange(7.0), positions, 0 * positions, 0 * positions)
     states = joint_states(trajectory, legs)
     for sample in range(7):
         world = {scene_frame(open_.chain): np.eye(4)}
-        waiting = [*still, *moving]
+        waiting = {**still, **moving}
         while waiting:
-            one = next(frame for frame in waiting if frame.parent in world)
-            waiting.remove(one)
-            row = sample if len(one.positions) > 1 else 0
+            parent, child = next(pair for pair in waiting if pair[0] in world)
+            poses = waiting.pop((parent, child))
+            place = poses[sample if len(poses) > 1 else 0].tolist()
             pose = np.eye(4)
-            pose[:3, :3] = rotation(tuple(one.wxyz[row].tolist()))
-            pose[:3, 3] = one.positions[row]
-            world[one.child] = world[one.parent] @ pose
+            pose[:3, :3] = rotation(tuple(place[3:]))
+            pose[:3, 3] = place[:3]
+            world[child] = world[parent] @ pose
         state = dict(zip(states[sample]["name"], states[sample]["position"], strict=True))
         assert len(state) == len(states[sample]["velocity"]) == len(names) + 1  # a finger follows
         hand = np.linalg.inv(world["panda_link0"])
