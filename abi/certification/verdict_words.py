@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from abi.arm_planning.motion.trajectory import Violation
@@ -28,6 +29,11 @@ def limit_sentences(verdict: MotionVerdict) -> list[str]:
     unknown = [name for name in verdict.limits.peaks if name not in judged]
     if not passed:
         passed.append(f"The joints keep their limits of {_listed(judged)}.")
+    chain = verdict.problem.chain
+    for quantity, limits in (("speed", chain.speeds), ("torque", chain.efforts)):
+        free = [name for name, most in zip(chain.names, limits, strict=True) if math.isinf(most)]
+        if quantity in judged and free:
+            passed.append(f"Without a limit of {quantity}: {some_of(free)}.")
     if unknown:
         passed.append(f"Not judged, as motion or robot do not say enough: {_listed(unknown)}.")
     return passed

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -29,6 +29,7 @@ from abi.planner.joint_space_motion import HASTY
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.planner.task_plan import legs_of
+from abi.scene.arm_end import ENDS
 from abi.scene.scene import Scene, require_scene
 
 MOST_NODES = 8_000
@@ -209,16 +210,24 @@ def _to_split(cells: Sequence[BaseTrial]) -> list[BaseTrial]:
 
 def _tried(planners: Sequence[Planner], scene: Scene, cell: BaseTrial) -> BaseTrial | str:
     """The cell with the result of a plan from its middle, and a reason if no base can help."""
-    arm = scene.arm.model_copy(update={"base": cell.base})
-    placed = scene.model_copy(update={"arm": arm})
+    try:
+        placed = scene.replace(arm={"base": list(cell.base)})
+        return _planned(legs_of(placed, planners, chosen_only=True), bool(scene.tasks), cell)
+    except SceneError as error:  # as where joints take the tool out of the workspace
+        name = error.field.rpartition(".")[2]
+        return replace(cell, fault=f"{name} outside the workspace" if name in ENDS else str(error))
+
+
+def _planned(legs: Iterable[Plan], counted: bool, cell: BaseTrial) -> BaseTrial | str:
+    """The cell with the result of its legs, and a reason if no base can help the first."""
     length, clearance = 0.0, math.inf
-    for number, plan in enumerate(legs_of(placed, planners, chosen_only=True)):
+    for number, plan in enumerate(legs):
         error = plan.error
         if number == 0 and error is not None and error.stage != "arm" and error.kind != "too_slow":
             return error.message
         fault, rank = _fault(plan)
         if fault or plan.motion is None or plan.arm_clearance is None:
-            which = f" (leg {number + 1})" if scene.tasks else ""
+            which = f" (leg {number + 1})" if counted else ""
             return replace(cell, fault=fault + which, rank=rank + _CERTIFIED * number)
         arc = plan.followed_arc
         # where the joints follow a curve of their own, the tool's samples

@@ -155,6 +155,7 @@ def _arm_step(plan: Plan, duration: float) -> dict[str, Any]:
     name = {"bspline": "B-spline", "quadratic": "quadratic"}.get(plan.followed or "")
     text = f"The arm follows the {name}. " if name else "The joints follow a curve of their own. "
     text += f"✗ {unproven}{' '.join(faults)}" if faults else clearance_sentence(plan)
+    text = " ".join((text, *plan.not_compared))
     step = _step(
         "6 Arm ✗" if faults else "6 Arm",
         "The motion",

@@ -99,7 +99,8 @@ def clearance_sentence(plan: Plan) -> str:
         return ""
     if math.isinf(clearance.distance):
         if clearance.certificate is not None:
-            return "Proven: the arm keeps clear of the floor and of itself."
+            but = ", but for what its notes tell" if plan.not_compared else ""
+            return f"Proven: the arm keeps clear of the floor and of itself{but}."
         return "It is not proven that the arm keeps clear of the floor and of itself."
     distance = f"{format_lower_bound(clearance.distance)} {unit}"
     wanted = f"{format_setting(clearance.required)} {unit}"

@@ -308,7 +308,7 @@ class Plan(ShortRepr):
         }
         return (
             *floor_notes(chain, standing, floor),
-            *held_notes(chain, floor, asked),
+            *held_notes(chain, floor, frozenset(asked)),
             *mount_notes(chain, mounts, metres, asked),
         )
 

@@ -194,6 +194,7 @@ def _arm(plan: Plan) -> str:
             too_near = plan.arm_clearance.is_too_near
             sentence = html.escape(sentence)
             lines.append(f"<b>✗ {sentence}</b>" if too_near else sentence)
+    lines += map(html.escape, plan.not_compared)
     lines += [
         f"✗ {html.escape(limit_sentence(one, motion, unit))}" for one in motion.limit_violations
     ]

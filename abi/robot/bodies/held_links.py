@@ -29,9 +29,10 @@ _POSITIONS = 5
 """Positions of held joints between two links at which it is tried whether these always touch."""
 
 
+@lru_cache(maxsize=16)
 def held_notes(
-    chain: Chain, floor: float, allowed: Collection[Collection[str | int]] = ()
-) -> list[str]:
+    chain: Chain, floor: float, allowed: frozenset[tuple[str, str | int]] = frozenset()
+) -> tuple[str, ...]:
     """Sentences on links that held joints carry, below the floor or touching others.
 
     Not told are links that touch wherever the joints between them are, and pairs of the SRDF.
@@ -72,7 +73,7 @@ def held_notes(
             continue
         if _touch_as_held(chain, first, second, between):
             touching.append(f"{second} touches {first}, where it is held, which is not compared.")
-    return [*_some(sunk), *_some(touching)]
+    return (*_some(sunk), *_some(touching))
 
 
 def mount_notes(

@@ -26,12 +26,13 @@ def read_rates(joint: XmlElement) -> tuple[float, float]:
         SceneError: one is NaN or no number.
     """
     limit = joint.child("limit")
-    rates = [0.0 if limit is None else limit.bound(name, _MOST_RATE) or 0.0 for name in _RATES]
-    # many files have 0 where they mean no limit, and nothing is made of that
-    speed, effort = (rate if rate > 0 else math.inf for rate in rates)
+    rates = [None if limit is None else limit.bound(name, _MOST_RATE) for name in _RATES]
     for name, rate in zip(_RATES, rates, strict=True):
-        if rate < 0 or math.isinf(rate):
+        if rate is not None and (rate < 0 or math.isinf(rate)):
             joint.tell(f"Without limit of {name}, as that is negative or beyond sense:")
+        elif rate == 0:  # many files have that where they mean no limit
+            joint.tell(f"Without limit of {name}, as that is 0:")
+    speed, effort = (rate if rate and rate > 0 else math.inf for rate in rates)
     return speed, effort
 
 

@@ -192,6 +192,9 @@ def test_of_tasks_a_base_is_one_for_all_legs(beyond: int | None) -> None:
         assert planned.error is not None
         assert [*found.faults] == [f"out of reach at the goal (leg {beyond + 1})"]
         return
+    # beyond the workspace's side, over which joints take the tool
+    aside = find_base(scene, (2.9, 0.0, 1.0), (2.9, 0.0, 1.0))
+    assert [*aside.faults] == ["start outside the workspace"]
     assert found.best is not None
     assert planned.trajectory is not None
     way = np.linalg.norm(np.diff(planned.trajectory.tool, axis=0), axis=1).sum()

@@ -81,6 +81,8 @@ def test_notes_tell_of_limits_that_are_none() -> None:
         "velocity",
         "effort",
     }
+    notes = limited('<limit lower="-1" upper="1" velocity="0"/>').notes
+    assert "Without limit of velocity, as that is 0: joint p." in notes
 
 
 def test_a_number_may_have_as_many_digits_as_its_author_likes() -> None:

@@ -154,9 +154,14 @@ def test_every_sentence_has_the_same_minus_sign() -> None:
     assert format_point((0.0, -0.0, 1.0)) == f"(0, 0, 1){UNIT}"
 
 
-def test_a_motion_has_the_name_of_its_law_unless_it_was_planned_elsewhere() -> None:
+def test_a_motion_has_the_name_of_its_law_unless_it_was_planned_elsewhere(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     made = plan(load_scene("paper").replace(motion={"law": "jerk_limited"}))
     assert made.profile is not None
     assert "Smooth (limited jerk), up to " in notes(made)["motion"]
     elsewhere = notes(replace(made, followed=None))["motion"]
+    # what no proof compares is told beside it
+    monkeypatch.setattr(type(made), "not_compared", ("left & right touch.",))
+    assert "left &amp; right touch." in notes(replace(made))["arm"]
     assert f">{made.profile.duration:.2f} s in all." in elsewhere
