@@ -115,11 +115,16 @@ def _entries(
     field: str, entries: object, chain: ExactChain
 ) -> Iterator[tuple[str, object, object]]:
     """Each contact's link of the chain, what it may touch, and the stated reason."""
+    pairs = set()
     for entry in list_of(field, entries):
         contact = mapping(field, entry)
         link = contact.get("link")
         if not isinstance(link, str) or link not in chain.frames:
             raise Fault("a contact is allowed of no link")
+        pair = frozenset((link, str(contact.get("other"))))
+        if pair in pairs:
+            raise Fault("a contact is allowed twice")
+        pairs.add(pair)
         yield link, contact.get("other"), contact.get("reason")
 
 

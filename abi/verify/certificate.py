@@ -119,8 +119,19 @@ def capsule_of(entry: dict[str, Any], capsules: int) -> int:
     return capsule
 
 
-def words_of(margin: Fraction | None, unit: str, links: str = "its links") -> str:
-    """Phrase for the margin that links keep, [unit]; None if there is no obstacle."""
+def words_of(
+    margin: Fraction | None, unit: str, links: str = "its links", asked: float = 0.0
+) -> str:
+    """Phrase for the margin that links keep, [unit], and for more that was asked for.
+
+    Args:
+        margin: the margin; None if there is no obstacle.
+        unit: of lengths.
+        links: what keeps it.
+        asked: what the scene asks for.
+    """
     if margin is None:
         return "there is no obstacle"
-    return f"{links} keep {float(margin):.9g} {unit}" if margin else f"{links} touch no obstacle"
+    kept = f"{links} keep {float(margin):.9g} {unit}" if margin else f"{links} touch no obstacle"
+    less = margin < Fraction(asked) * (1 - Fraction(1, 10**9))
+    return f"{kept}, less than the {asked:g} {unit} asked for" if less else kept

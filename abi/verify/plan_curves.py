@@ -20,8 +20,8 @@ def curve_of(name: str, section: dict[str, Any]) -> ExactCurve:
     """
     if name == "bspline":
         degree = section.get("degree")
-        if type(degree) is not int or not 1 <= degree <= 20:
-            raise SceneError("bspline.degree", degree, "a whole number from 1 to 20")
+        if type(degree) is not int or not 1 <= degree <= 5:
+            raise SceneError("bspline.degree", degree, "a whole number from 1 to 5")
         knots = numbers_of("bspline.knots", section.get("knots"))
         points = list_of("bspline.control_points", section.get("control_points"))
         control = [vector_of("bspline.control_points", point) for point in points]

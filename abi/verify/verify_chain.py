@@ -143,7 +143,7 @@ def check_chain(
     if held is not None:
         kept = check_held_at_samples(held, chain, scene.arm.tool, rows, section)
     count = sum(map(len, planes.values()))
-    words = words_of(margin, scene.unit)
+    words = words_of(margin, scene.unit, asked=scene.arm.clearance)
     if scene.arm.grasping:
         words += ", those behind the last joint only apart from it"
     sunk = sorted(a for a, other in allowed if other == "floor" and chain.frames[a] >= 0)

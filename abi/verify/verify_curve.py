@@ -46,12 +46,14 @@ def check_curve(
     certificate = mapping(field, section["certificate"])
     planes = planes_of(field, certificate, partial(_obstacle, field, len(obstacles)))
     check_ends(curve, scene)
-    starts = _starts(curve)
+    starts, gap = _starts(curve)
     margin = claimed_margin(name, section, required, obstacles, _TOUCH)
     if margin is None:
         return "there is no obstacle"
     if margin < 0 and not all(map(_is_deep, obstacles)):
         raise Fault("its margin is negative")
+    if any(isinstance(one, ExactMesh) for one in obstacles) and margin <= gap:
+        raise Fault("it keeps no distance from a mesh, and may go through")
     span = curve[0].start, curve[-1].end
     for k, obstacle in enumerate(obstacles):
         label = f"obstacle {k + 1}"
@@ -78,21 +80,23 @@ def _least(curve: ExactCurve, plane: CertifiedPlane) -> Fraction:
     return min(dot(plane.normal, at) for at in points)
 
 
-def _starts(curve: ExactCurve) -> list[Vec3]:
-    """Points where the curve starts, and where it goes on after a gap of rounding.
+def _starts(curve: ExactCurve) -> tuple[list[Vec3], Fraction]:
+    """Points where the curve starts, and where it goes on after a gap of rounding; bound of gaps.
 
     Raises:
         Fault: it jumps farther.
     """
-    starts = [curve[0].bezier[0]]
+    starts, widest = [curve[0].bezier[0]], Fraction(0)
     for before, after in itertools.pairwise(curve):
         last, first = before.bezier[-1], after.bezier[0]
         if first != last:
             starts.append(first)
         largest = max(abs(number) for point in (last, first) for number in point)
-        if max(abs(a - b) for a, b in zip(last, first, strict=True)) > _GAP * (1 + largest):
+        gap = max(abs(a - b) for a, b in zip(last, first, strict=True))
+        if gap > _GAP * (1 + largest):
             raise Fault(f"the curve jumps at {float(after.start):g}")
-    return starts
+        widest = max(widest, gap)
+    return starts, 2 * widest  # over the root of three times that along one axis
 
 
 def _obstacle(field: str, obstacles: int, entry: dict[str, Any]) -> int:

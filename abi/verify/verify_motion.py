@@ -45,6 +45,10 @@ from abi.verify.plan_fields import finite, list_of, mapping, vector_of
 from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.separation import check_apart
 
+_CLEAR = "Proven clear: "
+_SMALLER = ", the object then a millimetre smaller on each side"
+_NUMBER = re.compile(r"\d+(\.\d+)?(e[+-]?\d+)?")
+
 
 def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None) -> str:
     """Check the certificate of a motion, and return what it proves as the end of a sentence.
@@ -110,12 +114,12 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     moving += sorted({(bodies[i].link, bodies[j].link) for i, j in pairs})
     check_insides(scene.robot, motion.chain, few[0], obstacles, moving)
     _check_pairs(allowed, bodies, pairs)
-    _check_told(data)
+    _check_told(data, scene)
     direction = check_held_in_motion(data, scene, motion.chain, motion.path)
     count = sum(map(len, planes.values()))
     kept = words_of(margin, scene.unit, "its moving links")
     if scene.arm.grasping and scene.arm.attached is not None:
-        kept += ", the object then a millimetre smaller on each side"
+        kept += _SMALLER
     return (
         f"{kept}, and clear of the floor and each other "
         f"({len(pairs)} pairs), by {count} directions{direction}; {_excepted(data)}"
@@ -125,7 +129,7 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     )
 
 
-def _check_told(data: dict[str, Any]) -> None:
+def _check_told(data: dict[str, Any], scene: Scene) -> None:
     """Raise if the verdict states more or other in words and stretches than that it is clear."""
     if data.get("touches") or data.get("undecided") or data.get("depth") is not None:
         raise Fault("it lists what touches or is not decided")
@@ -139,16 +143,23 @@ def _check_told(data: dict[str, Any]) -> None:
     rates = sum(motion.get(name) is not None for name in ("velocities", "accelerations"))
     if data.get("interpolation") != ("linear", "cubic", "quintic")[rates]:
         raise Fault("its joints move otherwise between waypoints than it says")
-    sentence = str(data.get("sentence"))
-    told = re.findall(r"(\d+(?:\.\d+)?(?:e[+-]?\d+)?)([^.,;:]*)", sentence)
-    margin = finite("clearance", data.get("clearance") or 0.0)
-    unit = data["scene"].get("unit", "cm")
-    as_proven = all(
-        0.999 * margin <= float(number) <= margin and rest.split()[:1] == [unit]
-        for number, rest in told
-    )
-    if not sentence.startswith("Proven clear") or not as_proven:
+    if not _is_said(str(data.get("sentence")), data.get("clearance"), scene):
         raise Fault("its sentence says something else")
+
+
+def _is_said(sentence: str, margin: float | None, scene: Scene) -> bool:
+    """Check that a sentence is one of those that ``abi certify`` has for what is clear."""
+    if margin is None:
+        least = "the robot touches neither itself nor the floor at any time"
+        return sentence in (f"{_CLEAR}{least}.", f"{_CLEAR}{least}, but for what the notes tell.")
+    smaller = _SMALLER if scene.arm.grasping and scene.arm.attached is not None else ""
+    if margin == 0:
+        return sentence == f"{_CLEAR}its moving links touch nothing{smaller}."
+    rest = f" {scene.unit} from every obstacle{smaller}."
+    number = sentence.removeprefix(f"{_CLEAR}its moving links keep ").removesuffix(rest)
+    if sentence != f"{_CLEAR}its moving links keep {number}{rest}":
+        return False
+    return _NUMBER.fullmatch(number) is not None and 0.999 * margin <= float(number) <= margin
 
 
 def _margin(

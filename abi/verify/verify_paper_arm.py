@@ -44,6 +44,8 @@ from abi.verify.tool_path import check_ends, check_tool, point_at
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 _BELOW = Fraction(1, 10**9)
 """Accepted depth of the tool below the floor, over the coordinates of workspace and arm."""
+_SAME = Fraction(1, 10**9)
+"""Accepted error of a duration, over itself and 1 s."""
 _HALVINGS = 30
 _NOT_ITS = ("allowed", "apart_only", "axis")
 """What only plans of other arms state."""
@@ -103,7 +105,7 @@ def check_paper_arm(
         if isinstance(obstacle, ExactMesh) and obstacle.inside(arm.base):
             raise Fault("the base is inside a mesh")
     count = sum(map(len, planes.values()))
-    kept = words_of(margin, scene.unit)
+    kept = words_of(margin, scene.unit, asked=scene.arm.clearance)
     return (
         f"{kept}, and clear of the floor and its column, all along the curve, by {count} "
         "directions; not compared are forearm and upper arm, and of the fingers at the floor only "
@@ -199,6 +201,9 @@ def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlid
         return anywhere(start, start + force / inertia * duration**2)
     names = ("t1", "t2", "t3", "peak_speed")  # of three phases, of any law
     t1, t2, t3, peak = (Fraction(finite(f"timing.{name}", timing.get(name))) for name in names)
+    duration = Fraction(finite("timing.duration", timing.get("duration")))
+    if abs(duration - (t1 + t2 + t3)) > _SAME * (1 + duration):
+        raise Fault("its duration is not that of its three phases")
     rates = Fraction(motion.acceleration), Fraction(motion.deceleration)
     if not any((t1, t2, t3)):
         return anywhere(start, start)

@@ -166,6 +166,10 @@ def damaged(kind: str, data: dict[str, Any]) -> dict[str, Any]:
         data["sentence"] = data["sentence"].replace(" m ", " km ")
     elif kind == "number":
         data["sentence"] = data["sentence"].replace("keep 0.", "keep 1-2 and 0.")
+    elif kind == "words":
+        data["sentence"] = data["sentence"].replace("its moving links", "the whole robot")
+    elif kind == "twice":
+        data["allowed"].append(data["allowed"][0])
     elif kind == "names":
         data["motion"]["joints"] = [[name] for name in data["motion"]["joints"]]
     elif kind == "contact":
@@ -182,7 +186,7 @@ def damaged(kind: str, data: dict[str, Any]) -> dict[str, Any]:
     [
         *("motion", "plane", "direction", "body", "pair", "margin", "obstacle"),
         *("stretch", "first", "last", "interpolation", "sentence", "contact"),
-        *("unit", "number", "names"),
+        *("unit", "number", "names", "words", "twice"),
         *("adjacent", "srdf", "always", "mount"),
     ],
 )

@@ -397,6 +397,26 @@ def test_a_curve_that_jumps_is_refused(honest: Data, jump: float) -> None:
     assert ("the curve jumps at 0.5" in reason) == (jump > 1)
 
 
+@pytest.mark.parametrize("jump", [0.0, 4e-10])
+def test_no_touch_and_no_gap_of_rounding_leads_through_a_wall_without_thickness(
+    honest: Data, jump: float
+) -> None:
+    points = [[0, 0, 0], [0, 0, 0.5 - jump], [0, 0, 0.5 + jump], [0, 0, 1]]
+    wall = clean(np.array([[-9, -9, 0.5], [9, -9, 0.5], [0, 9, 0.5]]), np.array([[0, 1, 2]]))
+    data = copy.deepcopy(honest)
+    data["scene"] |= {"start": points[0], "goal": points[-1]}
+    data["scene"]["obstacles"] = [{"shape": "mesh", "file": "wall.stl", "position": [0, 0, 0]}]
+    data["scene"]["spline"] = {"clearance": 0.0}
+    data["bspline"] |= {"degree": 1, "control_points": points, "knots": [0, 0, 0.5, 0.5, 1, 1]}
+    planes = [
+        {"t0": t0, "t1": t0 + 0.5, "obstacle": 0, "direction": [0, 0, way]}
+        for t0, way in ((0.0, -1.0), (0.5, 1.0))
+    ]
+    data["bspline"] |= {"clearance": 0.0, "certificate": {"margin": 0.0, "planes": planes}}
+    found = verdict(data, folder=MeshSource({"wall.stl": wall}))
+    assert "keeps no distance from a mesh" in found.reason
+
+
 def test_quaternions_of_any_length_turn_alike(honest: Data) -> None:
     data = copy.deepcopy(honest)
     for obstacle in data["scene"]["obstacles"]:

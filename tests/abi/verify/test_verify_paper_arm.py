@@ -66,6 +66,11 @@ def test_a_certificate_is_accepted_with_and_without_a_moving_slide(honest: Data)
         found = of_arm(data)
         assert found.proven, found.reason
         assert "keep" in found.reason
+    hasty = copy.deepcopy(pushed)
+    hasty["timing"]["duration"] /= 2
+    hasty["arm"]["time"] = [time / 2 for time in hasty["arm"]["time"]]
+    hasty["arm"]["peak_joint_speed"] = [2 * one for one in hasty["arm"]["peak_joint_speed"]]
+    assert "three phases" in of_arm(hasty).reason
     pushed["scene"]["arm"]["forces"][1] = 3.0
     assert not of_arm(pushed).proven
 
