@@ -89,6 +89,8 @@ def solid_triangles(solid: ExactSolid | ExactMesh) -> LinkTriangles:
             triangles = _prism(_rectangle(half[0], half[1]), half[2])
     shells = _shells(triangles)
     firsts = np.unique(shells, return_index=True)[1].astype(np.int32)
+    if isinstance(solid, ExactMesh) and not solid.closed:  # no triangle by itself has an inside
+        shells = np.arange(len(triangles), dtype=np.int32)
     placed = triangles @ turn.T + np.array(solid.position, dtype=np.float64)
     return LinkTriangles(placed, np.full(len(placed), radius), shells, firsts)
 

@@ -119,7 +119,7 @@ def _in_hull(corners: FloatArray, hull: MovedHull, allowed: float) -> BoolArray:
     except scipy.spatial.QhullError:  # it is flat: how far is each from a mean of the points?
         return np.array([_from_means(corner, points) <= room for corner in corners], dtype=np.bool_)
     away = (corners @ whole.equations[:, :3].T + whole.equations[:, 3]).max(axis=1, initial=-1.0)
-    inside = away <= allowed
+    inside = away <= 0
     # beyond its edges what is near all planes may be far from it
     near = np.flatnonzero(~inside & (away <= room))
     if len(near):

@@ -13,7 +13,9 @@ from abi.arrays import FloatArray
 from abi.robot.bodies import solid_contact
 from abi.robot.bodies.link_solids import link_solids
 from abi.robot.urdf.link import Link, LinkShape
-from abi.verify.link_contact import link_triangles, touch
+from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.solids import vector
+from abi.verify.link_contact import holds, link_triangles, solid_triangles, touch
 
 MESHES = (
     trimesh.creation.annulus(0.05, 0.12, 0.1),
@@ -95,3 +97,14 @@ def test_what_is_inside_touches_also_in_a_cavity_but_not_in_an_open_shell() -> N
             link_triangles(link_of(mesh_of(mesh, np.eye(4))), 1.0), link_triangles(ball, 1.0)
         )
         assert found == expected
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_only_a_closed_obstacle_has_an_inside(closed: bool) -> None:
+    """However small the hole of another is."""
+    dome = trimesh.creation.icosphere(subdivisions=5, radius=3.0)
+    faces = np.asarray(dome.faces, dtype=np.int32)[0 if closed else 1 :]
+    place = vector((0.0, 0.0, 0.0)), (1.0, 0.0, 0.0, 0.0)
+    obstacle = ExactMesh(np.array(dome.vertices), faces, closed, 1.0, *place)
+    link = link_triangles(link_of(shape_of("box", (0.1, 0.1, 0.1), np.eye(4))), 1.0)
+    assert holds(solid_triangles(obstacle), link) == closed

@@ -17,8 +17,8 @@ from abi.verify.exact.link_corners import _corners, _in_hull, check_corners, che
 from abi.verify.exact.robot_chain import exact_chain
 from abi.verify.exact.solids import ExactSolid, LinkPiece, MovedHull, vector
 from abi.verify.fault import Fault
+from tests.abi.meshes import sphere, stl
 from tests.abi.robot.robots import arm, joint, packed, urdf
-from tests.abi.robot.test_robot_files import ball
 
 BOX = '<box size="0.1 0.1 0.3"/>'
 SHAPES = {
@@ -33,7 +33,7 @@ STRAY = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 5 5 5\nf 1 3 2\nf 1 2 4\nf 1 4 3
 
 
 def robot_of(name: str) -> Robot:
-    return robot_from_archive(packed({"r.urdf": arm((BOX, SHAPES[name])), "a.stl": ball(2)}))
+    return robot_from_archive(packed({"r.urdf": arm((BOX, SHAPES[name])), "a.stl": stl(sphere(1))}))
 
 
 def around(points: FloatArray, radius: float) -> LinkPiece:
@@ -110,13 +110,14 @@ def test_one_piece_stands_for_all_of_a_line_between_two_joints() -> None:
             check_lines(chain, robot, {**bodies, "c": [tip]})
 
 
+@pytest.mark.parametrize("width", [0.02, 1e-6])
 @pytest.mark.parametrize("flat", [False, True])
-def test_a_hull_with_a_radius_holds_what_is_as_near_to_it(flat: bool) -> None:
+def test_a_hull_with_a_radius_holds_what_is_as_near_to_it(flat: bool, width: float) -> None:
     random = np.random.default_rng(3)
     for _ in range(10):  # needles, beyond whose ends planes moved outward meet far away
-        points = random.normal(size=(5, 3)) * [0.02, 0.02, 1.0]
+        points = random.normal(size=(5, 3)) * [width, width, 1.0]
         points[:, 0] *= not flat
-        directions = random.normal(size=(20, 3)) * [1.0, 1.0, 20.0]
+        directions = random.normal(size=(20, 3)) * [1.0, 1.0, 1 / width]
         tips = points[(directions @ points.T).argmax(axis=1)]
         # a tip's distance from its hull along a direction in which no point is farther
         away = 0.2 * directions / np.linalg.norm(directions, axis=1)[:, None]
