@@ -9,7 +9,6 @@ with the tool anywhere in it, and what is deeper than that in the way is so anyw
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -40,21 +39,6 @@ _EVERY = 2
 
 _ROUNDING = 1e-9
 """Part of the largest coordinate by which an arm may move farther, by rounding."""
-
-
-class _Near(NamedTuple):
-    """What is known of the arm while its tool is anywhere in a ball.
-
-    Attributes:
-        upper, fore: whether upper arm and forearm are clear all over it.
-        touched: whether some capsule touches all over it.
-        rows: that these were last too near to, -1 for none.
-    """
-
-    upper: bool
-    fore: bool
-    touched: bool
-    rows: tuple[int, int]
 
 
 @jitable
@@ -111,11 +95,11 @@ def _near_ball(
     forearm: float,
     obstacle: tuple[Obstacles, int],
     ball: tuple[Vec3, float],
-    known: _Near,
+    known: tuple[bool, bool, tuple[int, int]],
     likely: tuple[int, int],
     widths: tuple[float, float, float],
     waiting: IntArray,
-) -> _Near:
+) -> tuple[bool, bool, bool, tuple[int, int]]:
     """Decide from the pose in the middle of a ball of tool positions whether all of it is clear.
 
     Args:
@@ -123,34 +107,39 @@ def _near_ball(
         forearm: length a6, [unit].
         obstacle: what to keep clear of, and the row with all of it.
         ball: centre and radius, [unit], world.
-        known: of a ball around it.
+        known: of a ball around it, whether upper arm and forearm are clear all over it, and the
+            rows that these were last too near to, -1 for none.
         likely: the capsule that touched something last, and what, -1 for nothing.
         widths: farthest that capsules stand out from the lines of upper arm and forearm, [unit],
             and how much farther than elbow and tool their points go, at most.
         waiting: room for ``DEPTH`` rows.
+
+    Returns:
+        Whether upper arm and forearm are clear all over the ball, whether some capsule touches all
+        over it, and the rows that those were last too near to.
     """
     (around, root), (centre, radius), (of_upper, of_fore, stretch) = obstacle, ball, widths
+    upper, fore, (first, second) = known
     if not reaches(arm, centre, forearm):
-        return known
+        return upper, fore, False, (first, second)
     pose = pose_of(arm, centre, forearm)
     rate = rates_near(arm, pose, radius, 0.0).elbow
     if math.isinf(rate):
-        return known
+        return upper, fore, False, (first, second)
     way, margin = stretch * rate * radius + _ROUNDING * around.size, around.margins[root]
     c, row = likely
     need = arm.capsules[CAPSULE * c + 3] + margin - way
     if row >= 0 and need > 0:
         a, b = capsule_ends(arm, pose, c)
         if is_near(around.primitives, row, a, b, need):
-            return _Near(known.upper, known.fore, True, known.rows)
-    upper, fore, _, (first, second) = known
+            return upper, fore, True, (first, second)
     if not upper:
         need = of_upper + margin + way
         upper, first = _clear_of(around, root, (pose.shoulder, pose.elbow), need, first, waiting)
     if not fore:
         need = of_fore + margin + way
         fore, second = _clear_of(around, root, (pose.elbow, centre), need, second, waiting)
-    return _Near(upper, fore, False, (first, second))
+    return upper, fore, False, (first, second)
 
 
 @compiled(example=(NO_NODES, NO_ARM, (NO_OBSTACLES, 0), 0.0, FLAGS, NEW_FLAGS))
@@ -184,24 +173,26 @@ def places_touching(
     work = [(0, 0, False, False)]
     while len(work) > 0:
         branch, level, upper, fore = work.pop()
-        near = _Near(upper, fore, False, rows)
+        touched = False
         if level % _EVERY == 0 or branch >= inner:
             ball = vec3_at(nodes.balls, 4 * branch), nodes.balls[4 * branch + 3]
             guess = likely, int(latest[likely])
-            near = _near_ball(arm, forearm, obstacle, ball, near, guess, widths, waiting)
-            rows = near.rows
-        if near.upper and near.fore:
+            known = upper, fore, rows
+            upper, fore, touched, rows = _near_ball(
+                arm, forearm, obstacle, ball, known, guess, widths, waiting
+            )
+        if upper and fore:
             continue
-        if branch < inner and not near.touched:
-            work.append((2 * branch + 1, level + 1, near.upper, near.fore))
-            work.append((2 * branch + 2, level + 1, near.upper, near.fore))
+        if branch < inner and not touched:
+            work.append((2 * branch + 1, level + 1, upper, fore))
+            work.append((2 * branch + 2, level + 1, upper, fore))
             continue
         first, last = branch, branch
         while first < inner:
             first, last = 2 * first + 1, 2 * last + 2
         for i in range(nodes.leaves[first - inner], nodes.leaves[last - inner + 1]):
             at = nodes.order[i]
-            if near.touched or not asked[at]:
+            if touched or not asked[at]:
                 touching[at] = asked[at]
                 continue
             pose = pose_of(arm, vec3_at(nodes.points, 3 * i), forearm)
@@ -209,7 +200,7 @@ def places_touching(
                 c = likely if number < still else number
                 if number == likely or not around.asked[c * count + root]:
                     continue
-                if near.upper if capsules[CAPSULE * c] == UPPER_ARM else near.fore:
+                if upper if capsules[CAPSULE * c] == UPPER_ARM else fore:
                     continue
                 need = capsules[CAPSULE * c + 3] + margin
                 a, b = capsule_ends(arm, pose, c)
