@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -69,10 +70,17 @@ def _files(path: Path) -> Path | MeshSource:
 
 
 def _read(path: Path) -> object:
+    from abi.errors import SceneError
+    from abi.scene.scene_file import unique
+
     name = repr(str(path))
     try:
         given = sys.stdin.buffer.read() if str(path) == STANDARD else path.read_bytes()
-        return msgspec.json.decode(given)
+        data: object = msgspec.json.decode(given)
+        json.loads(given, object_pairs_hook=unique)  # readers could take either of two
+        return data
+    except SceneError as error:
+        raise click.ClickException(f"{name} is ambiguous; expected {error.expected}.") from None
     except OSError as error:
         raise click.ClickException(
             f"{name} cannot be read ({cause(error, 'not readable')})."

@@ -652,7 +652,8 @@ def test_the_command_accepts_refuses_and_complains(
     path.write_text(json.dumps(data))
     assert run(monkeypatch, capsys, path)[0] == 3
 
-    for text in ("", "[1", "[]", '{"scene": NaN}', "[" * 100_000, '{"scene": 1e999}'):
+    twice = '{"version": 1, "version": 1}'
+    for text in (twice, "", "[1", "[]", '{"scene": NaN}', "[" * 100_000, '{"scene": 1e999}'):
         path.write_text(text)
         code, out, err = run(monkeypatch, capsys, path)
         assert (code, out) == (2, "")
