@@ -93,7 +93,7 @@ def _verdict(
     motion = problem.motion.motion
     found = separation(problem, clearance, most_tries)
     distance, least = nearest(problem, np.arange(0.0, len(motion.times) - 0.5, 0.5))
-    inside = [*_inside(problem), *_standing_in(problem, scene)]
+    inside = [*_inside(problem), *_standing_in(problem)]
     if isinstance(found, ArmCertificate) and not inside:
         ends = _times(problem, 0.0, len(problem.motion.points))
         if apart := _apart_though_allowed(problem):
@@ -135,13 +135,12 @@ def _inside(problem: MotionProblem) -> list[tuple[str, int]]:
     return list(dict.fromkeys(found))
 
 
-def _standing_in(problem: MotionProblem, scene: Scene) -> list[tuple[str, int]]:
+def _standing_in(problem: MotionProblem) -> list[tuple[str, int]]:
     """Links that stand still, and the obstacles not beneath the base that they are in."""
     obstacles = problem.around.obstacles
     if not obstacles.obstacles:
         return []
     metres = problem.metres
-    may_touch = {(one, other) for one, other in scene.arm.allowed if not isinstance(other, str)}
     low, high = obstacles.bounds
     found = []
     for name, frame in problem.chain.frames.items():
@@ -154,7 +153,7 @@ def _standing_in(problem: MotionProblem, scene: Scene) -> list[tuple[str, int]]:
         near = (low <= (ends + radii[:, None]).max(axis=(0, 1))).all(axis=1)
         near &= (high >= (ends - radii[:, None]).min(axis=(0, 1))).all(axis=1)
         for number in np.flatnonzero(near).tolist():
-            is_let = number in problem.under or (name, number) in may_touch
+            is_let = number in problem.under or (name, number) in problem.asked
             if not is_let and exact_contact.touches(problem, 0.0, name, number):
                 found.append((name, number))
     return found

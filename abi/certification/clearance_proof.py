@@ -63,6 +63,7 @@ class MotionProblem(ShortRepr):
         bodies: the b bodies, those that stand still first, [m].
         around: obstacles and the floor.
         under: numbers of the obstacles that the robot stands on.
+        asked: links, and numbers of obstacles that the scene lets them touch.
         metres: one [unit] in metres.
     """
 
@@ -71,6 +72,7 @@ class MotionProblem(ShortRepr):
     bodies: tuple[Body, ...]
     around: CollisionWorld
     under: tuple[int, ...]
+    asked: tuple[tuple[str, int], ...]
     metres: float
 
     @cached_property
@@ -96,6 +98,7 @@ class MotionProblem(ShortRepr):
         return (
             *self.pairs[1],
             *(AllowedContact(link, "obstacles", "mount") for link in still),
+            *(AllowedContact(*pair, "asked") for pair in self.asked if pair[0] in still),
             *(AllowedContact(link, "floor", "mount") for link in standing),
         )
 
@@ -152,7 +155,8 @@ def problem_of(
     bodies = robot_bodies(chain, closely)
     around, metres = _around(chain, bodies, scene), METRES[scene.unit]
     under = beneath(np.array(scene.arm.base), scene.arm.base_wxyz, metres, around.obstacles)
-    return MotionProblem(motion, chain, bodies, around, under, metres)
+    asked = tuple((link, k) for link, k in scene.arm.allowed if not isinstance(k, str))
+    return MotionProblem(motion, chain, bodies, around, under, asked, metres)
 
 
 def separation(

@@ -115,14 +115,14 @@ class MotionVerdict(ShortRepr):
             one = self.touches[0]
             depth = f", up to {one.depth:.3g} {unit} deep" if one.depth > 0 else ""
             return (
-                f"Touches: {one.link} meets {_words(one.obstacle)} from {self.at(one.first)} on"
+                f"Touches: {one.link} meets {words_for(one.obstacle)} from {self.at(one.first)} on"
                 f"{depth}."
             )
         doubt = self.doubts[0]
         return (
             f"Not decided: {doubt.link} is {doubt.distance:.3g} {unit} or less from "
-            f"{_words(doubt.obstacle)} between {self.at(doubt.first)} and {self.at(doubt.last)}. "
-            f"{doubt.would_decide}"
+            f"{words_for(doubt.obstacle)} between {self.at(doubt.first)} and "
+            f"{self.at(doubt.last)}. {doubt.would_decide}"
         )
 
     def at(self, time: float) -> str:
@@ -177,7 +177,8 @@ def _touch(contact: Contact) -> dict[str, Any]:
     }
 
 
-def _words(obstacle: int | str) -> str:
+def words_for(obstacle: int | str) -> str:
+    """An obstacle by its number from 1, or the name of a link or of the floor."""
     return f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else str(obstacle)
 
 

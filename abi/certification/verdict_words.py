@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from abi.arm_planning.motion.trajectory import Violation
-from abi.certification.verdict import MotionVerdict
+from abi.certification.verdict import MotionVerdict, words_for
 from abi.robot.urdf.urdf_joints import some_of
 
 _UNITS = {
@@ -74,13 +74,13 @@ def direction_sentences(verdict: MotionVerdict) -> list[str]:
 
 def remarks(verdict: MotionVerdict) -> list[str]:
     """Sentences on what was assumed, how the file was read, limits, and links that may touch."""
-    others = [one for one in verdict.problem.allowed if one.reason in ("srdf", "always")]
+    others = [one for one in verdict.problem.allowed if one.reason in ("srdf", "always", "asked")]
     return [
         f"Assumed: {verdict.assumed}.",
         *verdict.problem.notes,
         *limit_sentences(verdict),
         *direction_sentences(verdict),
-        *(f"{one.link} and {one.other} may touch ({one.reason})." for one in others),
+        *(f"{one.link} and {words_for(one.other)} may touch ({one.reason})." for one in others),
     ]
 
 

@@ -71,7 +71,7 @@ def allowed_contacts(
             found |= {(link, other), (other, link)}
         elif other == "floor" or (type(other) is int and 0 <= other < len(obstacles)):
             if not _may_stand(link, other, reason, scene, obstacles, chain, bodies):
-                raise Fault(f"{link} may not touch {_name(other)}")
+                raise Fault(f"{link} may not touch {name_of(other)}")
             found.add((link, other))
         else:
             raise Fault(f"{link} is allowed to touch nothing that is there")
@@ -101,6 +101,8 @@ def contacts_of_motion(
             ):
                 raise Fault(f"{link} and {other} are no pair that may touch")
             found.add(frozenset((link, other)))
+        elif reason == "asked" and type(other) is int and (link, other) in scene.arm.allowed:
+            continue
         elif reason != "mount" or not (
             may_touch_floor(link, scene, chain, bodies)
             if other == "floor"
@@ -128,7 +130,8 @@ def _entries(
         yield link, contact.get("other"), contact.get("reason")
 
 
-def _name(other: Other) -> str:
+def name_of(other: Other) -> str:
+    """An obstacle, the floor or a link in words."""
     if isinstance(other, int):
         return f"obstacle {other + 1}"
     return "the floor" if other == "floor" else other
@@ -314,7 +317,7 @@ def check_insides(
             both = placed[link], placed[other]
             inside = isinstance(other, str) and holds(both[1], both[0])
             if inside or holds(*both):
-                raise Fault(f"{link} and {_name(other)} are inside each other")
+                raise Fault(f"{link} and {name_of(other)} are inside each other")
 
 
 def placed_at(

@@ -25,7 +25,7 @@ _DEEP = -1e-9
 """Depth in an obstacle from which on links touch it, over the size of both, as a nearness."""
 _PAIRS = 400_000_000
 """Pairs of triangles of two links that are compared, at most."""
-_POSITIONS = 5
+_POSITIONS = 8
 _MOST = 6
 
 
@@ -50,6 +50,7 @@ def held_in_each_other(
     links, nor are they where a joint that is planned moves one beside the other.
     """
     carried, shaped = _carriers(scene, chain), _shaped(scene, chain)
+    attached = "" if scene.robot.attached is None else scene.robot.attached.link
     may_touch = {*scene.robot.may_touch, *map(frozenset, allowed)}
     may_touch |= {frozenset(one.ends) for one in scene.robot.couplings}
     found, left = [], []
@@ -59,6 +60,10 @@ def held_in_each_other(
         one, other = shaped[first], shaped[second]
         if apart or {first, second} in may_touch or not boxes_overlap(one, other):
             continue
+        if attached in (first, second):
+            holding, name = carried[attached], first if second == attached else second
+            if carried[name][: len(holding)] == holding:
+                continue  # as fingers, which what holds the object carries
         if len(one.corners) * len(other.corners) > _PAIRS:
             left.append(f"{second} and {first}")
         elif touch(one, other) and not _always_touch(scene, chain, between, (first, second)):
@@ -134,8 +139,8 @@ def _always_touch(
     moved = exact_joints(robot, names, (0, 0, 0), units, held=held)
     triangles = {name: in_frame(name, robot, moved) for name in links}
     low, high = (np.array(ends) for ends in usual_range(moved))
-    for share in np.linspace(0, 1, _POSITIONS):
-        row = [Fraction(number) for number in (low + share * (high - low)).tolist()]
+    for numbers in np.random.default_rng(7).uniform(low, high, (_POSITIONS, len(low))).tolist():
+        row = [Fraction(number) for number in numbers]
         one, other = placed_at(triangles, moved, row).values()
         if not touch(one, other):
             return False
@@ -152,14 +157,10 @@ def _carriers(scene: Scene, chain: ExactChain) -> dict[str, tuple[str, ...]]:
 
 
 def _shaped(scene: Scene, chain: ExactChain) -> dict[str, LinkTriangles]:
-    """Triangles of each link in the frame that moves it, but those of an object that is held."""
+    """Triangles of each link in the frame that moves it."""
     robot = scene.robot
-    attached = None if robot.attached is None else robot.attached.link
-    return {
-        name: in_frame(name, robot, chain)
-        for name in chain.frames
-        if robot.links[name].shapes and name != attached
-    }
+    names = (name for name in chain.frames if robot.links[name].shapes)
+    return {name: in_frame(name, robot, chain) for name in names}
 
 
 def _still(scene: Scene, chain: ExactChain) -> dict[str, LinkTriangles]:

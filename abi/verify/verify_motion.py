@@ -23,6 +23,7 @@ from abi.verify.allowed_contacts import (
     check_insides,
     contacts_of_motion,
     may_touch_floor,
+    name_of,
     not_compared,
 )
 from abi.verify.certificate import MOTION, planes_of, words_of
@@ -243,7 +244,7 @@ def _excepted(data: dict[str, Any]) -> str:
     """Allowed contacts of links that are not adjacent, as the end of a sentence."""
     usual = ("adjacent", "grasp", "mount")
     others = [one for one in data["allowed"] if one.get("reason") not in usual]
-    names = [f"{one.get('link')} and {one.get('other')}" for one in others]
+    names = [f"{one.get('link')} and {name_of(one.get('other'))}" for one in others]
     return f"allowed to touch are {', '.join(names)}" if names else "only neighbours may touch"
 
 

@@ -72,7 +72,7 @@ def touch_in_all(one: Link, other: Link, turned: FloatArray, moved: FloatArray) 
     """
     shapes = (*one.shapes, *other.shapes)
     code = (__file__, link_poses.__file__, solid_contact.__file__, link_solids.__file__)
-    key = body_store.key_of(shapes, code)
+    key = f"{body_store.key_of(shapes, code)} {len(one.shapes)}"
     for array in (turned, moved):
         key = hashlib.sha256(key.encode() + np.round(array, 9).tobytes()).hexdigest()
     kept = body_store.find(key)

@@ -19,14 +19,16 @@ from abi.robot.bodies.floor_contacts import SUNK
 from abi.robot.bodies.link_poses import relative_poses
 from abi.robot.bodies.link_solids import LinkSolids
 from abi.robot.bodies.link_solids import link_solids as solids_of
-from abi.robot.bodies.solid_contact import compile_kernels, touch
+from abi.robot.bodies.solid_contact import compile_kernels, depth, touch
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.link import Link, LinkShape
 
 _MOST = 6
 """Sentences of one kind."""
-_POSITIONS = 5
-"""Positions of held joints between two links at which it is tried whether these always touch."""
+_SHALLOW = 2e-4
+"""Depth from which on links are told to touch, [m]: fingers that are shut just meet."""
+_POSITIONS = 8
+"""Random positions of joints between two links at which it is tried whether they always touch."""
 
 
 @lru_cache(maxsize=16)
@@ -44,21 +46,17 @@ def held_notes(
     """
     groups, links, frames = _groups(chain), chain.robot.links, chain.frames
     attached = chain.robot.attached
-    shaped = [
-        name
-        for name in frames
-        if links[name].shapes and (attached is None or name != attached.link)
-    ]
+    shaped = [name for name in frames if links[name].shapes]
     bounds = {name: _bounds(links[name], chain.places[name]) for name in shaped}
-    depths = {
+    sunken = {
         name: floor - low[2]
         for name, (low, _) in bounds.items()
         if frames[name] < 0 and len(groups[name]) > 1
     }
     sunk = [
-        f"{name} reaches {depth:.3g} m below the floor, where it is held, which is not compared."
-        for name, depth in depths.items()
-        if depth > SUNK
+        f"{name} reaches {deep:.3g} m below the floor, where it is held, which is not compared."
+        for name, deep in sunken.items()
+        if deep > SUNK
     ]
     may_touch = {*chain.robot.may_touch, *map(frozenset, allowed)}
     may_touch |= {frozenset(one.ends) for one in chain.robot.couplings}
@@ -68,6 +66,10 @@ def held_notes(
         is_let = not between or frozenset((first, second)) in may_touch
         if frames[first] != frames[second] or is_let:
             continue
+        if attached is not None and attached.link in (first, second):
+            other = first if second == attached.link else second
+            if groups[attached.link][0] in groups[other]:
+                continue  # as fingers, which what holds the object carries
         (low, high), (others_low, others_high) = bounds[first], bounds[second]
         if (low > others_high).any() or (others_low > high).any():
             continue
@@ -130,6 +132,9 @@ def _touch_as_held(chain: Chain, first: str, second: str, between: Collection[st
     beside = (np.linalg.inv(chain.places[first]) @ chain.places[second])[None]
     if not _touch_in_all(one, other, beside[:, :3, :3], beside[:, :3, 3]):
         return False
+    solids = solids_of(one, 1.0), solids_of(other, 1.0)
+    if depth(*solids, beside[0, :3, :3].copy(), beside[0, :3, 3].copy()) < _SHALLOW:
+        return False
     by_child = {joint.child: joint for joint in chain.robot.joints}
     moved = {by_child[child].coordinate: None for child in between}
     if moved.keys() & {*chain.names}:
@@ -138,7 +143,8 @@ def _touch_as_held(chain: Chain, first: str, second: str, between: Collection[st
     held = {name: at for name, at in chain.held.items() if name in still}
     joints = Chain.moved_by(chain.robot, (*moved,), held=held)
     low, high = joints.usual_range().T
-    positions = np.linspace(low, high, _POSITIONS)
+    # at random, as what is alike on four sides touches at each quarter of a turn
+    positions = np.random.default_rng(0).uniform(low, high, (_POSITIONS, len(low)))
     return not _touch_in_all(one, other, *relative_poses(joints, first, second, positions))
 
 

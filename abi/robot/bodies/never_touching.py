@@ -55,7 +55,7 @@ def never_touch(chain: Chain, first: str, second: str) -> bool:
     coordinates, limits, ways = between
     shapes = (*chain.robot.links[first].shapes, *chain.robot.links[second].shapes)
     code = (__file__, link_poses.__file__, solid_contact.__file__, link_solids.__file__)
-    key = body_store.key_of(shapes, code)
+    key = f"{body_store.key_of(shapes, code)} {len(chain.robot.links[first].shapes)}"
     low, high = limits.T
     some = np.random.default_rng(1).uniform(low, high, (_POSES, len(low)))
     turned, moved = relative_poses(chain, first, second, _rows(chain, coordinates, some))
