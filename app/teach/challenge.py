@@ -16,7 +16,7 @@ from app.shared.computed_once import once_a_plan
 from app.state.frame import Frame
 from app.teach.lesson import Condition
 from app.teach.measures import MEASURES, text
-from app.teach.result_code import fingerprint, result_code
+from app.teach.result_code import FLOOR, fingerprint, result_code
 from app.ui import style
 
 _SHORTER = 0.97
@@ -25,7 +25,7 @@ _FARTHER = 1 / 30
 _LEAST_GAP = 0.005
 """Relative excess over the optimum below which there is nothing left to gain."""
 _OF_ARM = tuple(f"arm.{name}" for name in ArmSettings.model_fields)
-_SAME = "with start, goal, obstacles and arm as they are"
+_SAME = "with start, goal, obstacles, floor and arm as they are"
 MAY_CHANGE = (
     *("workspace", "mesh", "search", "spline", "quadratic", "motion"),
     *("arm.base", "arm.base_wxyz", "arm.q5", "arm.elbow", "arm.search", "arm.avoid"),
@@ -34,11 +34,11 @@ MAY_CHANGE = (
 """Fields of a scene that are a student's own choice where nothing else is said."""
 TASK = tuple(
     name
-    for section in Scene.model_fields
+    for section in (*Scene.model_fields, FLOOR)
     for name in (_OF_ARM if section == "arm" else (section,))
     if name not in ("version", *MAY_CHANGE)
 )
-"""Fields of a scene that define the planning problem: all but those of :data:`MAY_CHANGE`."""
+"""What defines the planning problem: all fields but those of :data:`MAY_CHANGE`, and the floor."""
 _ARM_OF_TASK = frozenset(TASK) & {*_OF_ARM}
 _COMPLETE = Condition(measure="plan.complete", at_least=1)
 _TOOL_COMPLETE = Condition(measure="plan.tool_complete", at_least=1)

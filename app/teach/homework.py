@@ -18,7 +18,7 @@ from app.state.tab_state import TabState
 from app.teach.challenge import TASK, Challenge, whole_plan
 from app.teach.lesson import Condition, Setting, scene_of
 from app.teach.lesson_file import fault_at, sentence_of
-from app.teach.result_code import fingerprint, scene_of_code
+from app.teach.result_code import FLOOR, fingerprint, scene_of_code
 
 
 class Homework(BaseModel):
@@ -65,7 +65,7 @@ def read_homework(file: Path) -> tuple[Scene, Challenge]:
         raise AbiError(str(fault_at(file, first["loc"], sentence_of(first)))) from None
     setting = Setting(scene=given.scene, change=given.change)
     scene = scene_of(setting, Scene(version=1), file.parent)
-    known = {*Scene.model_fields, *_settings(scene)}
+    known = {*Scene.model_fields, *_settings(scene), FLOOR}
     for name in (*given.keep, *given.free):
         if name not in known:
             text = f"keep and free name fields such as search.taut, not {name}."

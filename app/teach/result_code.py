@@ -14,6 +14,8 @@ from abi.scene.scene import Scene
 
 _CHECK = 4
 """Characters of the checksum, which reveals a code that was copied in part."""
+FLOOR = "floor"
+"""What may be kept beside a scene's fields: the height below which no arm gets, which two set."""
 _MOST = 20_000
 """Most bytes of a decompressed code."""
 
@@ -77,6 +79,8 @@ def _checked(body: str) -> str:
 
 
 def _field(data: Mapping[str, Any], name: str) -> Any:
+    if name == FLOOR:
+        return min(data["arm"]["base"][2], data["workspace"]["min"][2])
     section, _, field = name.partition(".")
     part = data.get(section)
     return part.get(field) if field and isinstance(part, dict) else part

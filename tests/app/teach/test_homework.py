@@ -85,7 +85,7 @@ def test_a_code_cannot_change_what_has_to_stay() -> None:
 def test_every_field_has_to_stay_or_is_a_choice() -> None:
     of_arm = [f"arm.{name}" for name in ArmSettings.model_fields]
     sections = [name for name in Scene.model_fields if name not in ("version", "arm")]
-    assert sorted((*TASK, *MAY_CHANGE)) == sorted((*sections, *of_arm))
+    assert sorted((*TASK, *MAY_CHANGE)) == sorted((*sections, *of_arm, "floor"))
 
 
 @pytest.mark.parametrize(
@@ -104,6 +104,23 @@ def test_what_else_defines_the_problem_has_to_stay(change: dict[str, Any]) -> No
     own = task.replace(**change)
     assert fingerprint(own, TASK) != fingerprint(task, TASK)
     assert scene_of_code(result_code(own, TASK), task, TASK) == task
+
+
+@pytest.mark.parametrize(
+    ("change", "stays"),
+    [
+        ({"workspace": {"min": [-1, -1, -1]}}, False),
+        ({"arm": {"base": [0, 0, -0.5]}}, False),
+        ({"arm": {"base": [0.1, 0, 0.3]}, "workspace": {"min": [-2, -1, 0]}}, True),
+    ],
+)
+def test_the_floor_stays_where_workspace_and_base_are_free(
+    change: dict[str, Any], stays: bool
+) -> None:
+    task = load_scene("paper").replace(workspace={"min": [-1, -1, 0]}, arm={"base": [0, 0, 0]})
+    own = task.replace(**change)
+    assert (fingerprint(own, TASK) == fingerprint(task, TASK)) == stays
+    assert scene_of_code(result_code(own, TASK), task, TASK) == own  # told when it is graded
 
 
 def test_a_part_that_is_free_is_free_with_what_the_arm_has_there() -> None:
