@@ -283,7 +283,10 @@ def _with_held(robot: Robot, chain: ExactChain, first: str, second: str) -> Exac
     if names <= {*chain.coordinates}:
         return None
     free = replace(robot, couplings=())
-    return exact_joints(free, tuple(sorted(names)), (0, 0, 0), int(chain.units))
+    moved = exact_joints(free, tuple(sorted(names)), (0, 0, 0), int(chain.units))
+    own = dict(zip(chain.coordinates, chain.limits, strict=True))  # a motion may have passed them
+    others = zip(moved.coordinates, moved.limits, strict=True)
+    return moved.within(tuple(own.get(name, ends) for name, ends in others))
 
 
 def check_insides(

@@ -62,8 +62,8 @@ def held_in_each_other(
             continue
         if attached in (first, second):
             holding, name = carried[attached], first if second == attached else second
-            if carried[name][: len(holding)] == holding:
-                continue  # as fingers, which what holds the object carries
+            if carried[name][:-1] == holding:
+                continue  # as fingers, which what holds the object carries by one joint
         if len(one.corners) * len(other.corners) > _PAIRS:
             left.append(f"{second} and {first}")
         elif touch(one, other) and not _always_touch(scene, chain, between, (first, second)):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import replace
 
 import numpy as np
 
-from abi.arrays import FloatArray
+from abi.arrays import FloatArray, read_only
 from abi.robot.bodies import body_store, link_poses, link_solids, solid_contact
 from abi.robot.bodies.link_poses import relative_poses
 from abi.robot.bodies.link_solids import link_solids as solids_of
@@ -58,7 +59,10 @@ def with_held(chain: Chain, first: str, second: str) -> Chain:
         return chain
     free = {joint.name for joint in chain.robot.joints if joint.mimic is None}
     held = {name: at for name, at in chain.held.items() if name in free and name not in names}
-    return Chain.moved_by(chain.robot, (*chain.names, *names), held=held)
+    moved = Chain.moved_by(chain.robot, (*chain.names, *names), held=held)
+    # where a motion passes limits, those of its chain are wider
+    limits = np.concatenate([chain.limits, moved.limits[len(chain.names) :]])
+    return replace(moved, limits=read_only(limits))
 
 
 def touch_in_all(one: Link, other: Link, turned: FloatArray, moved: FloatArray) -> bool:

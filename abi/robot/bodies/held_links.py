@@ -68,13 +68,14 @@ def held_notes(
             continue
         if attached is not None and attached.link in (first, second):
             other = first if second == attached.link else second
-            if groups[attached.link][0] in groups[other]:
-                continue  # as fingers, which what holds the object carries
+            if groups[other][1:] == groups[attached.link]:
+                continue  # as fingers, which what holds the object carries by one joint
         (low, high), (others_low, others_high) = bounds[first], bounds[second]
         if (low > others_high).any() or (others_low > high).any():
             continue
         if _touch_as_held(chain, first, second, between):
-            touching.append(f"{second} touches {first}, where it is held, which is not compared.")
+            deeper, other = sorted((first, second), key=lambda name: -len(groups[name]))
+            touching.append(f"{deeper} touches {other}, where it is held, which is not compared.")
     return (*_some(sunk), *_some(touching))
 
 

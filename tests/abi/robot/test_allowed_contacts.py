@@ -33,6 +33,7 @@ from abi.planner.planner import Planner, plan
 from abi.robot.bodies import allowed_contacts as allowed_pairs
 from abi.robot.bodies import finer_links
 from abi.robot.bodies.allowed_contacts import tree_reason
+from abi.robot.bodies.always_touching import with_held
 from abi.robot.bodies.floor_contacts import floor_notes
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
@@ -268,6 +269,8 @@ def test_links_that_part_only_at_the_end_of_a_range_overlap_not_always(
     wide = text.replace('upper="0.5"', 'upper="1.5"')
     arm = urdf_arm(robot_from_archive(packed({"a.urdf": wide})), "m", (0.0, 0.0, 0.0))
     assert not [one for one in arm.allowed if {one.link, one.other} == {"slab", "pin"}]
+    passed = replace(arm.chain, limits=arm.chain.limits * 2.0)  # by a motion
+    assert with_held(passed, "slab", "pin").limits[0].tolist() == passed.limits[0].tolist()
 
 
 @given(low=st.floats(-15, 15), long=st.floats(0.1, 20), factor=st.sampled_from([None, 2.0, 0.5]))
