@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 
 import numpy as np
 
@@ -35,7 +36,9 @@ _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
 _POSES, _PAIRS = 20, 12
 """Most poses of a pair, and most pairs, at which exact shapes are tested."""
 _DEPTHS = 4
-"""Most poses of a contact at which its depth is measured."""
+"""Most poses of a contact at which its depth is measured, besides both ends, ..."""
+_HALVINGS = 3
+"""... and how often the stretch around the deepest of them is halved."""
 _ENDS_AND_BETWEEN = 5
 """Poses in which links that are said to touch always have to."""
 _BISECTIONS = 18
@@ -210,13 +213,15 @@ def _decided(
         touching = np.array([[0.0, float(len(problem.motion.points))]])
     for number, pair in enumerate(pairs):
         step = max(1, math.ceil(len(pair.left) / _POSES))
-        rows = np.arange(0, len(pair.left) if number < _PAIRS else 0, step, dtype=np.int32)
+        rows = np.arange(0, len(pair.left), step, dtype=np.int32)
+        # the last stretch is where a motion ends, and often deepest
+        rows = np.union1d(rows, [len(pair.left) - 1])[: None if number < _PAIRS else 0]
         poses = pair.left[rows, 2].tolist()
         hit = np.array([_touches_at(problem, pair, at) for at in poses], dtype=bool)
         if hit.any():
             found = _touches(problem, pair, rows, hit)
             touches += found
-            nearest_tested = np.minimum(np.arange(len(pair.left)) // step, len(rows) - 1)
+            nearest_tested = np.searchsorted(rows, np.arange(len(pair.left)), "right") - 1
             spans = np.array([(one.first, one.last) for one in found])
             spans = np.interp(
                 spans, problem.motion.motion.times, np.arange(len(problem.motion.points) + 1)
@@ -256,14 +261,30 @@ def _touches(
         if first > 0 and apart[first - 1] == apart[first]:
             low = float(pair.left[rows[first - 1], 2])
         at = _first_contact(problem, pair, low, float(pair.left[rows[first], 2]))
+        end = float(ends[rows[of_one[-1]]])
         few = of_one[:: math.ceil(len(of_one) / _DEPTHS)]
-        poses = pair.left[rows[few], 2].tolist()
-        depths = [exact_contact.depth(problem, pose, pair.link, pair.other) for pose in poses]
-        deepest = int(np.argmax(depths))
-        times = (at, float(ends[rows[of_one[-1]]]), poses[deepest])
-        first_time, last, deep = (problem.motion.time_at(one) for one in times)
-        found.append(Contact(pair.link, pair.other, first_time, last, deep, depths[deepest]))
+        deepest, depth = _deepest(problem, pair, [at, *pair.left[rows[few], 2].tolist(), end])
+        first_time, last, deep = (problem.motion.time_at(one) for one in (at, end, deepest))
+        found.append(Contact(pair.link, pair.other, first_time, last, deep, depth))
     return found
+
+
+def _deepest(
+    problem: MotionProblem, pair: UndecidedPair, poses: Sequence[float]
+) -> tuple[float, float]:
+    """Parameter at which a pair is deepest, near the deepest of some poses in order, and depth."""
+
+    def measured(at: float) -> tuple[float, float]:
+        return exact_contact.depth(problem, at, pair.link, pair.other), at
+
+    tried = [measured(at) for at in poses]
+    for _ in range(_HALVINGS):
+        best = tried.index(max(tried))
+        around = [at for _, at in tried[max(best - 1, 0) : best + 2]]
+        halves = [measured((one + other) / 2) for one, other in itertools.pairwise(around)]
+        tried = sorted([*tried, *halves], key=itemgetter(1))
+    depth, deepest = max(tried)
+    return deepest, depth
 
 
 def _first_contact(problem: MotionProblem, pair: UndecidedPair, low: float, high: float) -> float:

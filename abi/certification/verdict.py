@@ -113,7 +113,7 @@ class MotionVerdict(ShortRepr):
             return f"Proven clear: {kept}{smaller}."
         if self.state == "touches":
             one = self.touches[0]
-            depth = f", up to {one.depth:.3g} {unit} deep" if one.depth > 0 else ""
+            depth = f", {one.depth:.3g} {unit} deep or more" if one.depth > 0 else ""
             return (
                 f"Touches: {one.link} meets {words_for(one.obstacle)} from {self.at(one.first)} on"
                 f"{depth}."

@@ -146,9 +146,9 @@ class MotionSettings(Settings):
     ``curve`` is the one that the tool follows; ``auto`` means the quadratic if it keeps the
     clearance, the B-spline otherwise. ``law`` is the paper's three phases, the same slowed down
     until the joints' limits hold, the fastest motion within these limits, or one of limited
-    ``jerk`` [unit/s³]. ``joint_acceleration`` limits each joint, [rad/s²], sliding ones [m/s²].
-    The motion is sampled ``samples`` times, or every ``time_step`` [s]: it is then made so much
-    longer that it ends with a step.
+    ``jerk`` [unit/s³]. ``joint_acceleration`` limits each planned joint, [rad/s²], sliding ones
+    [m/s²], and not what follows it by a factor. The motion is sampled ``samples`` times, or every
+    ``time_step`` [s]: it is then made so much longer that it ends with a step.
     """
 
     speed: Rate = 4.0

@@ -377,11 +377,20 @@ def test_a_beam_that_the_first_joint_swings_into_the_floor_touches_it(tmp_path: 
     scene = place.replace(
         workspace={"min": [-2, -2, 0], "max": [2, 2, 2]}, start=[0, 0, 0], goal=[0, 0, 1]
     )
-    for angle, state in ((-1.0, "clear"), (1.5, "touches")):
+    corners = np.array([[1.2, y, z] for y in (-0.05, 0.05) for z in (-0.05, 0.05)])
+    for angle, state in ((-1.0, "clear"), (0.7, "touches"), (2.2, "touches")):
         verdict = abi.certify(None, ["pitch"], [0, 1], [[0.0], [angle]], scene)
         assert verdict.state == state
         if state == "touches":
-            assert verdict.touches[0].obstacle == "floor"
+            first = verdict.touches[0]
+            assert first.obstacle == "floor"
+            angles = np.linspace(0.0, angle, 2001)
+            frames = verdict.problem.chain.poses(angles[:, None])[:, -1]
+            ends = corners @ frames[:, 2, :3].T + frames[:, 2, 3]
+            # where it is deepest, also if that is the end
+            assert first.depth == pytest.approx(-ends.min(), rel=2e-3)
+            assert first.time == pytest.approx(ends.min(axis=0).argmin() / 2000, abs=0.05)
+            assert first.last == 1.0
         else:
             (proof,) = verify(json.loads(json.dumps(verdict.to_dict())), scene.meshes)
             assert proof.proven, proof.reason
