@@ -85,5 +85,7 @@ def _bare_links(links: Mapping[str, Link], joints: Sequence[Joint]) -> list[str]
     shaped = {first for name, first in moved_by.items() if links[name].shapes}
     bare = [first for name, first in moved_by.items() if name == first and first not in shaped]
     if not shaped:
-        return ["No link that moves has a shape: lines from joint to joint stand for them."]
+        slides = [one.name for one in joints if one.kind == "prismatic" and one.low < one.high]
+        but = f", but none where a slide goes: {some_of(slides)}" if slides else ""
+        return [f"No link that moves has a shape: lines from joint to joint stand for them{but}."]
     return [f"Nothing is proven of links without a shape: {some_of(bare)}."] if bare else []
