@@ -67,6 +67,14 @@ def read_couplings(root: XmlElement, joints: Sequence[Joint], base: str) -> tupl
                 kind = one.get("type", "").strip()
                 fault = fault._replace(anchor=_anchor(one), kind=kind, axis=_axis(one))
                 fault = fault._replace(limited=_is_limited(one))
+        elif tag == "linear_bushing_rpy":  # Drake's, between frames that need not be links
+            fault = Coupling(tag, (), closes=True, rests=False)
+        elif tag == "parent_link" and told is not None and told.find("child_link") is not None:
+            name = told.get("name") or ""  # Gazebo's detachable joint, of where links are at first
+            ends = [str(end or "").strip() for end in (one.text, told.findtext("child_link"))]
+            known = all(end == base or end in above for end in ends)
+            fault = _closing(above, base, name, ends) if known else None
+            fault = fault and fault._replace(rests=False)
         elif tag == "mimic" and told is not None and told.getparent() is not root.xml:
             fault = Coupling(told.get("name") or "", (), closes=False, rests=False)
         else:
@@ -227,7 +235,8 @@ def require_followed(robot: Robot, planned: Collection[str], wanted: Mapping[str
     held = positions_held(robot, planned, wanted)
     for one in robot.couplings:
         there = [joints[name] for name in one.joints if name in joints]
-        rests = one.rests and all(held.get(joint.name) == 0 for joint in there)
+        # a joint that is fixed after all may be so anywhere
+        rests = one.rests and all(held.get(name) == 0 for name in one.joints)
         follows = any(joint.mimic is not None for joint in there)
         told = one.closes and follows and _stays_closed(robot, one)
         if not rests and not told:

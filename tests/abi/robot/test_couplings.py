@@ -53,6 +53,8 @@ def read_of(*more: str, **joints: str) -> Robot:
         '<gazebo><joint name="loop" type="ball"/></gazebo>',
         '<loop_joint name="loop" type="revolute"><link1 link="c"/><link2 link="f"/></loop_joint>',
         _LOOP.format("world", "d"),  # what the arm could not move in
+        "<linear_bushing_rpy><bushing_frameA name='b'/></linear_bushing_rpy>",
+        "<gazebo><plugin><parent_link>f</parent_link><child_link>c</child_link></plugin></gazebo>",
         _PLUGIN.format("p", "u", ""),
         _PLUGIN.format("u", "v", "<offset>0.1</offset>"),
         _PLUGIN.format("u", "p", ""),
