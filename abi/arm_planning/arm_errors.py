@@ -25,45 +25,39 @@ class LinkContact(NamedTuple):
     clearance: float
 
 
-class Unreached(NamedTuple):
-    """A point that is out of an arm's reach, or takes a joint past its limit.
+def beyond_reach(
+    shortfall: float, joint: str = "", limit: float = 0.0, slides: bool = False
+) -> str:
+    """Predicate of a sentence on an arm that is too far from a point, or too near to it.
 
-    Attributes:
+    Args:
         shortfall: distance by which the point is out of reach, [unit]: > 0 too far, < 0 too near to
-            the shoulder, 0 where a limit alone is in the way.
-        joint: name of a joint that is at its limit, or would be past it; empty for none.
-        value: position of that joint, [rad] or [unit].
-        limit: its limit, [rad] or [unit].
+            the shoulder.
+        joint: name of a joint that is at its limit; empty for none.
+        limit: of that joint, [rad] or [unit].
         slides: whether it slides.
-        room: distance that its turn has to keep from the limit, [rad].
-        part: of an arm, where the joint is, for people who do not know its name; or empty.
     """
+    near = ", too near to its shoulder," if shortfall < 0 else ""
+    position = format_length(limit) if slides else f"{math.degrees(limit):.1f}°"
+    at_limit = f", with {joint} at its limit of {position}," if joint else ""
+    return f"is out of reach by {format_length(abs(shortfall))}{near}{at_limit}"
 
-    shortfall: float
-    joint: str = ""
-    value: float = 0.0
-    limit: float = 0.0
-    slides: bool = False
-    room: float = 0.0
-    part: str = ""
 
-    @property
-    def words(self) -> str:
-        """Predicate of a sentence on the arm, with the unit's placeholder after lengths."""
-        value, limit = map(self._position, (self.value, self.limit))
-        if self.shortfall == 0.0:
-            side = "past its limit of"
-            if abs(self.value) <= abs(self.limit):
-                room = math.degrees(self.room)
-                side = f"which leaves less than {room:.1f}° to its limit of"
-            where = f" (the {self.part})" if self.part else ""
-            return f"would need {self.joint}{where} at {value}, {side} {limit},"
-        near = ", too near to its shoulder," if self.shortfall < 0 else ""
-        at_limit = f", with {self.joint} at its limit of {limit}," if self.joint else ""
-        return f"is out of reach by {format_length(abs(self.shortfall))}{near}{at_limit}"
+def beyond_limit(joint: str, part: str, angle: float, limit: float, room: float) -> str:
+    """Predicate of a sentence on an arm of which a joint would have to turn too far.
 
-    def _position(self, value: float) -> str:
-        return format_length(value) if self.slides else f"{math.degrees(value):.1f}°"
+    Args:
+        joint: its name.
+        part: of the arm, where it is, for people who do not know its name.
+        angle: that it would need, [rad].
+        limit: its limit, [rad].
+        room: angle that it has to keep from the limit, [rad].
+    """
+    side = "past its limit of"
+    if abs(angle) <= abs(limit):
+        side = f"which leaves less than {math.degrees(room):.1f}° to its limit of"
+    needed, most = (f"{math.degrees(one):.1f}°" for one in (angle, limit))
+    return f"would need {joint} (the {part}) at {needed}, {side} {most},"
 
 
 OUT_OF_REACH = "out_of_reach"

@@ -234,8 +234,7 @@ class WholeArmBranch(Branch):
         arm, branch = self.problem.model.arm, self.arm_branch.name
         link, obstacle = _named(fault, arm)
         if obstacle is None:
-            unreached = self.arm_branch.unreached(point)
-            why = "" if unreached is None else unreached.words
+            why = self.arm_branch.unreached(point)
             return ArmNotClear(branch, end, has_elbow=arm.has_elbow, why=why)
         return ArmNotClear(branch, end, link, obstacle, has_elbow=arm.has_elbow)
 

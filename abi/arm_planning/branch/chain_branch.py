@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.arm_errors import LinkContact, Unreached
+from abi.arm_planning.arm_errors import LinkContact, beyond_reach
 from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.branch.segment_memory import SegmentMemory
 from abi.arm_planning.certificates.chain_certificate import MOST_TRIES as CURVE_TRIES
@@ -96,21 +96,20 @@ class ChainBranch:
         _, joints, _ = self._follow_polyline(np.stack([point, point]), None)
         return link_contact(self.arm, self.collision_world, joints[-1], pair, self.clearance)
 
-    def unreached(self, point: FloatArray) -> Unreached | None:
-        """Reason why the arm does not reach a point (3,), [unit], world."""
+    def unreached(self, point: FloatArray) -> str:
+        """Why the arm does not reach a point (3,), [unit], world, as a predicate; else empty."""
         point = arguments.numbers("point", point, (3,))
         if self.configurations.near(point) is None:
-            return None
+            return ""
         _, joints, missed = self._follow_polyline(np.stack([point, point]), None)
         if missed[-1] <= REACHED * self.arm.reach:
-            return None
+            return ""
         room = np.abs(self.arm.limits - joints[-1][:, None])
         joint, side = divmod(int(room.argmin()), 2)
         if room[joint, side] > _AT_LIMIT * self.arm.scales[joint]:
-            return Unreached(float(missed[-1]))
+            return beyond_reach(float(missed[-1]))
         limit, slides = float(self.arm.limits[joint, side]), self.arm.chain.slides[joint]
-        name = self.arm.joints[joint]
-        return Unreached(float(missed[-1]), name, float(joints[-1, joint]), limit, bool(slides))
+        return beyond_reach(float(missed[-1]), self.arm.joints[joint], limit, bool(slides))
 
     def clear_segments(self, points: FloatArray) -> BoolArray:
         """Check if the arm is proven clear on each segment (k - 1,) of a polyline (k, 3), k >= 2.

@@ -10,7 +10,7 @@ from typing import Literal, Self
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.arm_errors import Unreached
+from abi.arm_planning.arm_errors import beyond_limit, beyond_reach
 from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.paper_arm_certificate import certify_paper_arm
@@ -119,22 +119,22 @@ class ElbowBranch:
     def link_contact(self, point: FloatArray, pair: tuple[str, int | str]) -> None:
         """None, as the bodies are the links' own shapes."""
 
-    def unreached(self, point: FloatArray) -> Unreached | None:
-        """Reason why the arm does not reach a point (3,), [unit], world."""
+    def unreached(self, point: FloatArray) -> str:
+        """Why the arm does not reach a point (3,), [unit], world, as a predicate; else empty."""
         point = arguments.numbers("point", point, (3,))
         extensions = np.array(self.extensions)
         places, still = np.stack([point, point]), np.zeros((2, 3))
         joints, shortfalls = solve(self.arm, places, extensions, self.elbow, still)
         shortfall = float(min(shortfalls, key=abs))
         if shortfall:
-            return Unreached(shortfall)
+            return beyond_reach(shortfall)
         nearest = joints[np.abs(shortfalls).argmin()]
         for number, part in ((1, "shoulder"), (2, "elbow")):
             angle = nearest[number]
             limit = math.copysign(self.arm.limits[number, 1], angle)
             if abs(angle) > abs(limit) - _SPARE:
-                return Unreached(0.0, JOINTS[number], float(angle), limit, room=_SPARE, part=part)
-        return None
+                return beyond_limit(JOINTS[number], part, float(angle), limit, _SPARE)
+        return ""
 
     def joint_path(self, curve: Curve, arc: ArcLength) -> PaperArmJointPath:
         """The joints along a curve."""

@@ -8,6 +8,7 @@ import pytest
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.world.arm_worlds import paper_arm_world
+from abi.errors import format_length
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.link_capsules import COLUMN
@@ -58,25 +59,26 @@ def test_a_place_that_is_not_reached_has_a_distance_or_a_limit(elbow: Elbow) -> 
     reasons = set()
     for point in points:
         fault = branch.polyline_refutation(point[None])
-        unreached = branch.unreached(point)
+        words = branch.unreached(point)
         if fault is not None and fault.capsule >= 0:
             continue
-        assert (unreached is None) == (fault is None)
-        if unreached is None:
+        assert (words == "") == (fault is None)
+        if not words:
             continue
         distance = float(np.linalg.norm(point - arm.shoulder))
-        if unreached.shortfall:
+        if words.startswith("is out of reach by "):
             nearest = abs(arm.a3 - arm.a4 - arm.a5)
-            edge = reach if unreached.shortfall > 0 else nearest
-            assert unreached.shortfall == pytest.approx(distance - edge, abs=1e-9)
-            assert "out of reach by" in unreached.words
+            edge = nearest if "too near" in words else reach
+            assert format_length(abs(distance - edge)) in words
+            assert (distance > edge) == ("too near" not in words)
+            reasons.add("distance")
         else:
             ((_, q2, q3),), _ = solve(arm, point[None], np.zeros(1), elbow, np.zeros((1, 3)))
-            value = float({"q2": q2, "q3": q3}[unreached.joint])
-            assert unreached.value == pytest.approx(value)
-            assert abs(value) > abs(unreached.limit) - 0.011
-            part = {"q2": "shoulder", "q3": "elbow"}[unreached.joint]
-            words = f"{unreached.joint} (the {part}) at {np.degrees(value):.1f}°"
-            assert words in unreached.words
-        reasons.add(unreached.joint or "distance")
+            joint = words.split()[2]
+            value, part = {"q2": (q2, "shoulder"), "q3": (q3, "elbow")}[joint]
+            limit = arm.limits[int(joint[1]) - 1, 1]
+            assert abs(value) > limit - 0.011
+            assert f"{joint} (the {part}) at {np.degrees(value):.1f}°" in words
+            assert f"its limit of {np.degrees(np.copysign(limit, value)):.1f}°," in words
+            reasons.add(joint)
     assert reasons >= {"distance"} | ({"q2"} if elbow == "down" else set())

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from abi import Planner, load_scene, plan
-from abi.arm_planning.arm_errors import ArmNotClear, Unreached
+from abi.arm_planning.arm_errors import ArmNotClear, beyond_limit
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.paper_arm_model import paper_arm
@@ -296,8 +296,10 @@ def test_no_remedy_lifts_a_base_off_what_it_stands_on(
 
 
 def test_a_joint_within_its_limit_is_said_to_need_more_room() -> None:
-    near = Unreached(0.0, "q2", value=1.99, limit=2.0, room=math.radians(1.5))
-    assert (
-        near.words == "would need q2 at 114.0°, which leaves less than 1.5° to its limit of 114.6°,"
+    near = beyond_limit("q2", "shoulder", angle=1.99, limit=2.0, room=math.radians(1.5))
+    assert near == (
+        "would need q2 (the shoulder) at 114.0°, which leaves less than 1.5° to its limit of "
+        "114.6°,"
     )
-    assert "past its limit" in near._replace(value=2.01).words
+    past = beyond_limit("q2", "shoulder", angle=2.01, limit=2.0, room=math.radians(1.5))
+    assert "past its limit" in past
