@@ -376,3 +376,10 @@ def test_a_default_namespace_changes_nothing() -> None:
     assert [*read.links] == [*plain.links]
     assert [one.name for one in read.joints] == [one.name for one in plain.joints]
     assert read != plain  # no archive tells that they are the same
+
+
+def test_of_a_robot_without_shapes_slides_that_no_line_stands_for_are_told() -> None:
+    bare = [f'<link name="{name}"/>' for name in "abc"]
+    text = urdf(*bare, joint("turn", "a", "b"), joint("out", "b", "c", "prismatic"))
+    notes = read_of(text).notes
+    assert any(note.endswith("stand for them, but none where a slide goes: out.") for note in notes)
