@@ -14,6 +14,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitives import Box, Capsule, Sphere
+from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.urdf.joint import Joint
 from abi.robot.urdf.link import Link, LinkShape
 from abi.robot.urdf.robot import AttachedObject, Robot
@@ -24,6 +25,7 @@ of a mesh is no more than twice as far from where it was."""
 _LEAST = 0.1
 """Part of half its thickness by which it is taken as smaller at most."""
 _NAME = "held_object"
+_SOLID = "a solid: what is flat cannot be held"
 
 
 @lru_cache(maxsize=64)
@@ -145,6 +147,21 @@ def _with_tips(corners: FloatArray, whole: FloatArray, depth: float) -> FloatArr
     return np.concatenate([corners, whole[lost] + 2 * depth * inwards])
 
 
+def require_solid(field: str, shape: Obstacle) -> None:
+    """Raise a SceneError that names a field if a mesh is flat, so that it cannot be held."""
+    if isinstance(shape, MeshShape) and _is_flat(shape.surface):
+        raise SceneError(field, shape.file, _SOLID)
+
+
+@lru_cache(maxsize=64)
+def _is_flat(surface: Surface) -> bool:
+    try:
+        scipy.spatial.ConvexHull(surface.vertices)
+    except (scipy.spatial.QhullError, ValueError):
+        return True
+    return False
+
+
 def _hull(shape: MeshShape, metres: float, inset: float) -> LinkShape:
     """Convex hull of a mesh, its sides moved inwards."""
     ones, scale = (1.0, 1.0, 1.0), shape.factor * metres
@@ -165,6 +182,5 @@ def _hull(shape: MeshShape, metres: float, inset: float) -> LinkShape:
             corners = _with_tips(corners, shape.surface.hull * scale, depth)
         faces = scipy.spatial.ConvexHull(corners).simplices
     except (scipy.spatial.QhullError, TypeError, ValueError):
-        expected = "a solid: what is flat cannot be held"
-        raise SceneError("arm.attached", shape.file, expected) from None
+        raise SceneError("arm.attached", shape.file, _SOLID) from None
     return _link_shape("mesh", ones, np.eye(4), corners, faces)

@@ -373,11 +373,23 @@ class ArmSettings(Settings):
         """
         if self.model != "urdf":
             return ()
-        return tuple(
-            f"The {name} is {end.state} but for {one}, which is held at {at[one]:.6g} "
-            f"where that state has it at {place:.6g}."
-            for name, end, wanted, at in self._held_elsewhere(metres)
-            for one, place in wanted.items()
+        names = [{one.name for one in robot.joints} for robot in (self.whole_robot, self.robot)]
+        ends = ((name, getattr(self, name)) for name in ENDS)
+        left_out = [
+            f"The {name} is {end.state} but for {one}, which base_link leaves out."
+            for name, end in ends
+            if end is not None and end.state is not None and self.base_link is not None
+            for one in self.robot.states.get(end.state, {})
+            if one in names[0] - names[1]
+        ]
+        return (
+            *left_out,
+            *(
+                f"The {name} is {end.state} but for {one}, which is held at {at[one]:.6g} "
+                f"where that state has it at {place:.6g}."
+                for name, end, wanted, at in self._held_elsewhere(metres)
+                for one, place in wanted.items()
+            ),
         )
 
     @property

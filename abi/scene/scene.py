@@ -182,7 +182,7 @@ class Scene(Settings):
             raise SceneError(name, point, bounds)
         self.arm.check_gripper(METRES[self.unit])
         self.arm.check_allowed(len(self.obstacles))
-        check_tasks(self.tasks, self.arm, len(self.obstacles), self.workspace, self.unit)
+        check_tasks(self.tasks, self.arm, self.obstacles, self.workspace, self.unit)
         nodes = self.mesh.node_count(self.workspace)
         if nodes > self.mesh.max_nodes:
             coarsest = self.mesh.model_copy(update={"pitch": LARGEST}).node_count(self.workspace)

@@ -3,7 +3,9 @@
 from collections.abc import Sequence
 
 from abi.errors import MISSING, SceneError
+from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import METRES
+from abi.robot.attached_object import require_solid
 from abi.scene.arm_settings import ON_MESH, ArmSettings
 from abi.scene.held_axis import check_axis
 from abi.scene.leg import Leg
@@ -11,14 +13,18 @@ from abi.scene.settings import Workspace
 
 
 def check_tasks(
-    tasks: Sequence[Leg], arm: ArmSettings, obstacles: int, workspace: Workspace, unit: str
+    tasks: Sequence[Leg],
+    arm: ArmSettings,
+    obstacles: Sequence[Obstacle],
+    workspace: Workspace,
+    unit: str,
 ) -> None:
     """Raise a SceneError if legs attach or release what they cannot, or lead elsewhere.
 
     Args:
         tasks: the legs.
         arm: that goes through them.
-        obstacles: how many the scene has.
+        obstacles: of the scene.
         workspace: of the scene.
         unit: of its lengths.
     """
@@ -33,9 +39,11 @@ def check_tasks(
         check_axis(f"{field}.axis", leg.axis, arm.model, arm.search)
         if number > 0 and leg.goal is None:
             raise SceneError(f"{field}.goal", MISSING, "a waypoint")
-        if leg.attach is not None and leg.attach >= obstacles:
-            expected = f"the number of an obstacle, below {obstacles}"
+        if leg.attach is not None and leg.attach >= len(obstacles):
+            expected = f"the number of an obstacle, below {len(obstacles)}"
             raise SceneError(f"{field}.attach", leg.attach, expected)
+        if leg.attach is not None:
+            require_solid(f"{field}.attach", obstacles[leg.attach])
         if leg.attach is not None and (holds or leg.release):
             expected = "none before what is held is released, on an earlier leg"
             raise SceneError(f"{field}.attach", leg.attach, expected)

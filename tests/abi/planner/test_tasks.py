@@ -434,15 +434,18 @@ def test_a_leg_without_a_motion_ends_the_sequence() -> None:
     ("tasks", "field"),
     [
         ([{}, {}], "tasks[1].goal"),
-        ([{"attach": 1}], "tasks[0].attach"),
+        ([{"attach": 1}], "tasks[0].attach"),  # which is flat
+        ([{"attach": 2}], "tasks[0].attach"),
         ([{"release": True}], "tasks[0].release"),
         ([{"attach": 0}, {"goal": [1.0, 1.0, 1.0], "attach": 0}], "tasks[1].attach"),
     ],
 )
 def test_tasks_that_cannot_be_are_refused(tasks: list[dict[str, Any]], field: str) -> None:
     ball = {"shape": "sphere", "radius": 0.1, "position": [2.0, 2.0, 2.0]}
+    sheet = {"shape": "mesh", "file": "a.obj", "position": [2.0, 2.0, 2.0]}
+    files = {**FILES, "a.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"}
     with pytest.raises(SceneError) as refusal:
-        Scene.from_dict(data(obstacles=[ball], tasks=tasks), FILES)
+        Scene.from_dict(data(obstacles=[ball, sheet], tasks=tasks), files)
 
     assert refusal.value.field == field
 

@@ -110,6 +110,10 @@ def test_an_end_in_a_state_has_its_gripper_as_that_says() -> None:
         assert scene.arm.gripper["left_joint"] == opening
         told = ["left_joint, which is held at 50 where" in note for note in scene.notes]
         assert any(told) == (opening == 50)
+    # so is what stands above the base
+    part = data["arm"] | {"gripper": {"left_joint": 30.0}, "base_link": "b"}
+    notes = Scene.from_dict(data | {"arm": part}, files).notes
+    assert "a.zip: The start is ready but for p, which base_link leaves out." in notes
     held = {"goal": {"joints": [0.1, 0, 0]}, "gripper": {"left_joint": 30.0}}
     Scene.from_dict(data | {**legs, "tasks": [{}, held, {"goal": {"state": "ready"}}]}, files)
 
