@@ -6,6 +6,7 @@ lightweight approach to repairing digitized polygon meshes, The Visual Computer 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -22,6 +23,7 @@ from abi.obstacles.triangle_mesh.distinct_rows import (
 )
 from abi.obstacles.triangle_mesh.enclosed import with_enclosed
 from abi.obstacles.triangle_mesh.flat_triangles import uncovered_lines
+from abi.obstacles.triangle_mesh.rays import rays_met
 from abi.obstacles.triangle_mesh.shells import (
     Shells,
     areas_of,
@@ -53,6 +55,9 @@ _AS_THEY_WERE = "Where that moved corners, the triangles count as they were, too
 
 _BESIDE = 1e-6
 """Distance from a triangle at which it is asked what is solid, over the mesh's size."""
+_AWAY = 3e-6
+"""The same, beyond corners that were joined."""
+_DIRECTION = np.array([0.283, 0.531, 0.799])
 _MOST_WOUND = 3 * 10**6
 """Most pairs of triangles that are tested for one inside the other; else it counts as a sheet."""
 _MOST = 500_000
@@ -114,18 +119,20 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     sheets, _ = without_duplicates(sheets[areas_of(vertices, sheets) > 0])
     moved = moved[areas_of(vertices, moved) > 0]
     count = len(sheets) + len(moved)
+    folded = _folded(vertices, solids, size) if shells.notes and parts else 0
     if count and sum(map(len, solids)) + 2 * count <= most:
-        if len(sheets):
-            told = counted(len(sheets), "triangle")
-            notes = (*notes, f"{told} no part of a solid: a thin shell, without an inside.")
+        folded += len(sheets)
         sheets = np.concatenate([sheets, moved])
         solids[0] = np.concatenate([solids[0], sheets, sheets[:, ::-1]])
         is_as_in_file = False
     elif count:
         why = "has holes" if shells.has_border.any() else _CANCELLED
         whole = f"The surface {why}: it is treated as a thin shell, without an inside."
-        solids, parts = [np.concatenate([*solids, sheets, moved])], 0
+        solids, parts, folded = [np.concatenate([*solids, sheets, moved])], 0, 0
         notes = (*notes, whole)
+    if folded:
+        told = counted(folded, "triangle")
+        notes = (*notes, f"{told} no part of a solid: a thin shell, without an inside.")
     solids = [one[areas_of(vertices, one) > 0] for one in solids]
     # corners that a united part and a sheet both have are there twice
     vertices, faces = in_order(*weld(vertices, np.concatenate(solids)))
@@ -138,6 +145,31 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     return Surface(
         *(read_only(vertices), read_only(faces), parts > 0, notes), layers=sizes, given=before
     )
+
+
+def _folded(vertices: FloatArray, layers: Sequence[IntArray], size: float) -> int:
+    """Number of triangles of solids without a solid on either side, as where turned ones fold.
+
+    Those much narrower than the distance at which it is asked are not.
+
+    Args:
+        vertices: (n, 3).
+        layers: faces (m, 3) of each.
+        size: of the mesh.
+    """
+    corners = vertices[np.concatenate(layers)]
+    sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    wide = areas > 10 * _AWAY * size * sides
+    away = _AWAY * size * normals[wide] / areas[wide, None]
+    middles = corners[wide].mean(axis=1)
+    solid = np.zeros(2 * len(middles), dtype=np.bool_)
+    for faces in layers:
+        beside = np.concatenate([middles + away, middles - away])
+        point, _, side = rays_met(vertices[faces], beside, _DIRECTION)
+        solid |= np.abs(np.bincount(point, side, len(beside))) > 0.5
+    return int((~solid.reshape(2, -1).any(axis=0)).sum())
 
 
 def _is_thin(vertices: FloatArray, shells: Shells) -> BoolArray:

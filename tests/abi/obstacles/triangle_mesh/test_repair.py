@@ -542,3 +542,21 @@ def test_a_united_surface_with_sheets_is_the_same_when_it_is_read_again() -> Non
         fin = corners[rng.choice(len(corners), 3, replace=False)], np.array([[0, 1, 2]])
         surface = clean(*meshes.joined(*boxes, fin))
         assert clean(surface.vertices, surface.faces).digest == surface.digest
+
+
+@pytest.mark.parametrize("is_flapped", [False, True])
+def test_triangles_of_a_repaired_solid_that_fold_onto_each_other_are_told(is_flapped: bool) -> None:
+    """A flap at one of its edges, which all have two sides, since it is split on one side only."""
+    vertices, faces = meshes.box((2, 2, 2))
+    a, b, x = faces[0].tolist()
+    (other,) = (k for k, one in enumerate(faces[1:].tolist(), 1) if {a, b} < {*one})
+    (y,) = {*faces[other].tolist()} - {a, b}
+    middle = (vertices[a] + vertices[b]) / 2
+    vertices = np.vstack([vertices, middle, 3 * middle + vertices[x]])
+    m, c = 8, 9
+    flap = [(b, a, c), (a, m, c), (m, b, c), (b, m, y), (m, a, y)] if is_flapped else [(b, a, y)]
+    rest = np.delete(faces, other, axis=0)
+    rest[-1] = rest[-1, ::-1]  # which is turned
+    surface = clean(vertices, np.vstack([rest, flap]).astype(np.int32))
+    assert surface.closed
+    assert any("3 triangles are no part of a solid" in one for one in surface.notes) == is_flapped
