@@ -88,9 +88,11 @@ def _limit_sentence(one: Violation, verdict: MotionVerdict) -> str:
     """Sentence on a limit that a joint passes."""
     chain = verdict.problem.motion.chain
     unit = _UNITS[one.quantity][chain.slides[chain.names.index(one.joint)]]
+    # as many digits as tell the value from its limit
+    digits = next((n for n in range(4, 17) if f"{one.value:.{n}g}" != f"{one.limit:.{n}g}"), 17)
     return (
-        f"{one.joint} passes its limit of {one.quantity}: {one.value:.4g} {unit} at "
-        f"{verdict.at(one.time)}, limit {one.limit:.4g} {unit}."
+        f"{one.joint} passes its limit of {one.quantity}: {one.value:.{digits}g} {unit} at "
+        f"{verdict.at(one.time)}, limit {one.limit:.{digits}g} {unit}."
     )
 
 

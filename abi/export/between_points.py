@@ -7,16 +7,19 @@ polynomials, and points without by straight ways of the joints.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.motion.arm_clearance import distance_from_itself
+from abi.arm_planning.motion.trajectory import Quantity, Violation
 from abi.arrays import FloatArray
 from abi.certification.clearance_proof import problem_of, separation
 from abi.certification.joint_limits import joint_limits
 from abi.certification.motion import Motion
 from abi.certification.robot_motion import RobotMotion, bezier_points
+from abi.explain.arm_faults import limit_sentence
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.chain_capsules import lever
@@ -25,24 +28,24 @@ from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.urdf.link import LinkShape
 from abi.scene.scene import Scene
 
+_NOTICED = 1.001
+"""A limit that is passed by less than this factor, as by rounding of differences, is let pass."""
+
 
 def polynomials_are_clear(plan: Plan) -> bool:
     """Check whether quintic polynomials between the points are proven to keep clear as well.
 
-    They keep clear of obstacles, the floor and the arm itself, and within limits of position. Those
-    of a URDF arm are proven as :func:`abi.certify` does it. Those of the paper's arm do where no
-    point of it leaves the curve by as much as the distance that is proven, and that measured of it.
+    They keep clear of obstacles, the floor and the arm itself, and within limits of position, and
+    of speed where the motion does. Those of a URDF arm are proven as :func:`abi.certify` does it.
+    Those of the paper's arm do where no point of it leaves the curve by as much as the distance
+    that is proven, and that measured of it.
 
     Args:
         plan: with a motion that is proven clear.
     """
-    first = 0
-    for leg in plan.legs or (plan,):
-        assert leg.motion is not None
-        last = first + len(leg.motion.time) - 1  # where the next leg begins
-        moves = _polynomials(plan, leg, slice(first, last + 1))
-        first = last
-        if any(one.quantity == "position" for one in joint_limits(moves).passed):
+    for leg, moves in _legs(plan):
+        passed = joint_limits(moves).passed
+        if any(one.quantity == "position" for one in passed) or _beyond(leg, "speed", passed):
             return False
         if (paper_arm := leg.paper_arm) is not None:
             clearance, away = leg.arm_clearance, _departure(paper_arm, moves)
@@ -53,6 +56,53 @@ def polynomials_are_clear(plan: Plan) -> bool:
         elif not _is_proven(moves, leg.scene):
             return False
     return True
+
+
+def growth_warning(plan: Plan) -> str:
+    """Sentence on the worst acceleration of such polynomials beyond a limit that the samples keep.
+
+    Where accelerations jump, as those of the fastest motion do, polynomials swing beyond. Empty
+    where none is passed, and without a motion.
+    """
+    motion = plan.motion
+    if motion is None or motion.error is not None:
+        return ""
+    found = []
+    for leg, moves in _legs(plan):
+        passed = joint_limits(moves, leg.scene.motion.joint_acceleration).passed
+        found += _beyond(leg, "acceleration", passed)
+    if not found:
+        return ""
+    worst = max(found, key=lambda one: one.value / one.limit)
+    return (
+        "Quintic polynomials between its points pass a limit that the points keep: "
+        f"{limit_sentence(worst, motion, 'm')} With motion.law: jerk_limited accelerations do not "
+        "jump."
+    )
+
+
+def _beyond(leg: Plan, quantity: Quantity, passed: Sequence[Violation]) -> list[Violation]:
+    """Those of some limits of rates that the samples of a leg keep and its polynomials do not."""
+    if leg.joint_rates is None or leg.joint_rates.nominal:
+        return []
+    known = {(one.joint, one.quantity) for one in leg.limits_passed}
+    return [
+        one
+        for one in passed
+        if one.quantity == quantity
+        and (one.joint, quantity) not in known
+        and one.value / one.limit > _NOTICED
+    ]
+
+
+def _legs(plan: Plan) -> Iterator[tuple[Plan, RobotMotion]]:
+    """Each leg of a plan with its polynomials, and the plan itself if it has none."""
+    first = 0
+    for leg in plan.legs or (plan,):
+        assert leg.motion is not None
+        last = first + len(leg.motion.time) - 1  # where the next leg begins
+        yield leg, _polynomials(plan, leg, slice(first, last + 1))
+        first = last
 
 
 def _polynomials(plan: Plan, leg: Plan, rows: slice) -> RobotMotion:

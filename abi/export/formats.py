@@ -26,6 +26,7 @@ from abi.export import (
     spline_curves,
     urscript,
 )
+from abi.export.between_points import growth_warning
 from abi.planner.plan import Plan, require_plan
 from abi.planner.task_plan import TaskPlan
 
@@ -40,6 +41,8 @@ class Format:
         write: content of the file of a plan, given the file's name.
         endings: those of file names that mean this format; none if it is that of ``file``.
         holds_motion: whether a motion of the arm is in it.
+        has_rates: whether it has velocities and accelerations, of which controllers make
+            polynomials.
     """
 
     label: str
@@ -47,6 +50,7 @@ class Format:
     write: Callable[[Plan, str], bytes]
     endings: tuple[str, ...] = ()
     holds_motion: bool = True
+    has_rates: bool = False
 
     def warning(self, plan: Plan) -> str:
         """Sentence on what the exported motion's arm touches or lacks; empty for none."""
@@ -54,7 +58,8 @@ class Format:
 
     def limits_warning(self, plan: Plan) -> str:
         """Sentence on a limit of the joints that the exported motion passes; empty for none."""
-        return limits_warning(plan) if self.holds_motion else ""
+        past = limits_warning(plan) if self.holds_motion else ""
+        return past or (growth_warning(plan) if self.has_rates else "")
 
 
 FORMATS: dict[str, Format] = {
@@ -65,9 +70,13 @@ FORMATS: dict[str, Format] = {
         "trajectory.ros.yaml",
         ros_trajectory.write,
         (".yaml", ".yml"),
+        has_rates=True,
     ),
     "ros-json": Format(
-        "motion for ROS 2 (the same in JSON)", "trajectory.ros.json", ros_trajectory.write
+        "motion for ROS 2 (the same in JSON)",
+        "trajectory.ros.json",
+        ros_trajectory.write,
+        has_rates=True,
     ),
     "spline": Format(
         "curves as B-splines (JSON)", "curves.spline.json", spline_curves.write, holds_motion=False
@@ -82,7 +91,9 @@ FORMATS: dict[str, Format] = {
     "urdf-zip": Format(
         "arm with its meshes (zip)", "arm.zip", robot_description.write_archive, holds_motion=False
     ),
-    "rosbag": Format("recording for ROS 2 (bag)", "motion.ros2.mcap", ros_bag.write),
+    "rosbag": Format(
+        "recording for ROS 2 (bag)", "motion.ros2.mcap", ros_bag.write, has_rates=True
+    ),
 }
 """Formats by the names that ``abi export --format`` takes."""
 

@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from abi.export.carried_objects import chains_of_legs
-from abi.export.joint_trajectory import joint_trajectory, motion_of, motion_state
+from abi.export.joint_trajectory import joint_trajectory, motion_of
 from abi.export.mcap_arm import Frames, joint_states, link_frames, quaternions, scene_frame
 from abi.export.ros_definitions import DEFINITIONS
-from abi.export.ros_trajectory import trajectory_message
+from abi.export.ros_trajectory import message_state, trajectory_message
 from abi.obstacles.pose import METRES
 from abi.planner.plan import Plan
 
@@ -42,9 +42,11 @@ def write(plan: Plan, name: str) -> bytes:
     motion_of(plan)
     file = io.BytesIO()
     writer = Writer(file)
-    writer.add_metadata("arm", {"state": motion_state(plan)})
+    messages = list(_messages(plan))
+    message = next(data for topic, _, data in messages if topic == "/joint_trajectory")
+    writer.add_metadata("arm", {"state": message_state(plan, message)[0]})
     schemas = {kind: writer.register_msgdef(kind, text) for kind, text in DEFINITIONS.items()}
-    for topic, time, data in _messages(plan):
+    for topic, time, data in messages:
         writer.write_message(topic, schemas[_TOPICS[topic]], data, round(time * 1e9))
     writer.finish()  # type: ignore[no-untyped-call]
     return file.getvalue()

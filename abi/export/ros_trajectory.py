@@ -10,7 +10,7 @@ import json
 import math
 from typing import Any
 
-from abi.export.between_points import polynomials_are_clear
+from abi.export.between_points import growth_warning, polynomials_are_clear
 from abi.export.joint_trajectory import (
     holding,
     is_marked,
@@ -31,21 +31,32 @@ def write(plan: Plan, name: str) -> bytes:
     """The message; JSON where ``name`` ends so, else YAML. Lengths in [m].
 
     YAML says in a comment whether the arm is clear, and what it holds. JSON has no comments: there
-    a motion that is not, or holds something, has a field more, so that a program that takes nothing
-    but the message refuses it.
+    a motion that is not, passes limits, or holds something, has a field more, so that a program
+    that takes nothing but the message refuses it.
 
     Raises:
         AbiError: there is no motion that the arm can execute.
     """
     message = trajectory_message(plan)
-    state = motion_state(plan)
-    if not message["points"][0]["velocities"]:
-        state += f" {_STRAIGHT}"
+    state, beyond = message_state(plan, message)
     if name.lower().endswith(".json"):
-        if is_marked(plan) or holding(plan):
+        if is_marked(plan) or holding(plan) or beyond:
             message = {"state": state, **message}
         return (json.dumps(message, indent=1, allow_nan=False) + "\n").encode()
     return f"# {state}\n{yaml_text(message, width=4096)}".encode()
+
+
+def message_state(plan: Plan, message: dict[str, Any]) -> tuple[str, bool]:
+    """Sentences on the motion and its message, and whether controllers pass a limit between points.
+
+    Args:
+        plan: with the motion.
+        message: of :func:`trajectory_message`.
+    """
+    if not message["points"][0]["velocities"]:
+        return f"{motion_state(plan)} {_STRAIGHT}", False
+    warning = growth_warning(plan)
+    return " ".join(filter(None, [motion_state(plan), warning])), bool(warning)
 
 
 def trajectory_message(plan: Plan) -> dict[str, Any]:

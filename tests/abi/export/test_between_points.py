@@ -12,8 +12,11 @@ import scipy
 
 import abi
 from abi.certification.certify_motion import certify_motion
+from abi.certification.joint_limits import joint_limits
 from abi.certification.read_motion import own_joints, read_motion
+from abi.certification.robot_motion import robot_motion
 from abi.export import between_points, joint_trajectory, ros_trajectory
+from abi.export.formats import FORMATS
 from abi.planner.plan import Plan
 
 GANTRY = """<robot name="gantry"><link name="base"/><link name="lx"/>
@@ -155,6 +158,39 @@ def test_what_a_later_leg_holds_keeps_clear_where_controllers_go_with_velocities
         accelerations=rates[1],
     )
     assert certify_motion(last, plan.legs[2].scene).state == "clear"
+
+
+@pytest.mark.parametrize(
+    ("law", "samples"), [("time_optimal", 8), ("time_optimal", 401), ("jerk_limited", 51)]
+)
+def test_limits_of_rates_that_samples_keep_are_kept_or_told_as_controllers_read_them(
+    tmp_path: Path, law: str, samples: int
+) -> None:
+    (tmp_path / "lift.urdf").write_text(LIFT.format(2.0, 2.0, 0.4, 1.0), encoding="utf-8")
+    scene = abi.Scene.from_dict(
+        {
+            "version": 1,
+            "unit": "m",
+            "workspace": {"min": [-1, -1, 0], "max": [1, 1, 3]},
+            "start": {"joints": [0.0, 0.0]},
+            "goal": {"joints": [0.9, 0.0]},
+            "motion": {"law": law, "samples": samples},
+            "arm": {"model": "urdf", "urdf": "lift.urdf", "base": [0, 0, 0], "search": "joints"},
+        },
+        folder=tmp_path,
+    )
+    plan = abi.plan(scene)
+    assert not plan.limits_passed
+    text = ros_trajectory.write(plan, "a.ros.json")
+    motion = read_motion("a.ros.json", text, own_joints(scene.arm.robot))
+    passed = joint_limits(robot_motion(motion, scene), 8.0).passed
+    assert not [one for one in passed if one.quantity == "speed" and one.value > 1.001 * one.limit]
+    told = any(one.quantity == "acceleration" for one in passed)
+    assert (motion.interpolation == "linear") == (samples == 8)
+    assert told == (samples == 401)
+    assert (b"acceleration limit of 8 m/s" in text) == told
+    assert (FORMATS["rosbag"].limits_warning(plan) != "") >= told
+    assert not FORMATS["csv"].limits_warning(plan)
 
 
 def test_the_bound_of_the_departure_holds_for_the_polynomials() -> None:
