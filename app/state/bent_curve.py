@@ -1,13 +1,12 @@
-"""The B-spline of a plan with control points moved by hand, and its clearance."""
+"""The B-spline of a plan with control points moved by hand: its clearance, and what differs."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arrays import FloatArray
+from abi.arrays import BoolArray, FloatArray
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.fit import Fit, proven_fit
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -18,39 +17,29 @@ _SAMPLES = 400
 """Points of the curve at which the influence of a moved control point is looked at."""
 
 
-@dataclass(frozen=True, eq=False)
-class BentCurve:
-    """A B-spline bent by hand, which is not part of the plan.
-
-    Attributes:
-        of: the plan's curve.
-        fit: the bent one and its clearance, proven anew where it can be.
-        length: of the curve, [unit].
-        moved: number of control points that are not where the plan has them.
-        changed: part of the curve that depends on one of these, 0 to 1.
-    """
-
-    of: BSpline
-    fit: Fit[BSpline]
-    length: float
-    moved: int
-    changed: float
-
-
-def bend(plan: Plan, places: Mapping[int, Vec3 | FloatArray]) -> BentCurve:
-    """Bend the plan's B-spline.
+def bend(plan: Plan, places: Mapping[int, Vec3 | FloatArray]) -> Fit[BSpline]:
+    """Bend the plan's B-spline, and prove its clearance anew where that can be.
 
     Args:
-        plan: with a B-spline.
+        plan: with a B-spline; it stays as it is.
         places: of the control points moved, by their numbers, (3,), [unit], world.
     """
     assert plan.bspline is not None
     spline, required = plan.bspline.curve, plan.bspline.required
-    points, numbers = spline.control_points.copy(), list(places)
+    points = spline.control_points.copy()
     for number, place in places.items():
         points[number] = place
     curve = clamped(points, spline.degree, spline.added, spline.pushed)
-    fit = proven_fit(curve, curve.extent, ObstacleSet(plan.scene.obstacles), required)
-    influence = curve.influence(np.linspace(*curve.interval, _SAMPLES))[:, numbers]
-    changed = float((influence > 0).any(axis=1).mean())
-    return BentCurve(spline, fit, fit.arc.length, len(numbers), changed)
+    return proven_fit(curve, curve.extent, ObstacleSet(plan.scene.obstacles), required)
+
+
+def moved_points(plan: Plan, bent: BSpline) -> BoolArray:
+    """Which control points (n,) of the bent curve are not where the plan has them."""
+    assert plan.bspline is not None
+    return np.asarray((bent.control_points != plan.bspline.curve.control_points).any(axis=1))
+
+
+def changed_share(plan: Plan, bent: BSpline) -> float:
+    """Part of the bent curve that depends on a control point that was moved, 0 to 1."""
+    influence = bent.influence(np.linspace(*bent.interval, _SAMPLES))
+    return float((influence[:, moved_points(plan, bent)] > 0).any(axis=1).mean())

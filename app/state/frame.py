@@ -6,11 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from abi.certification.verdict import MotionVerdict
+from abi.curves.bspline import BSpline
+from abi.curves.fit import Fit
 from abi.errors import AbiError
 from abi.explain.base_map import BaseMap
 from abi.explain.reason import Reason
 from abi.planner.plan import Plan
-from app.state.bent_curve import BentCurve
 from app.theatre.theatre import Theatre
 
 
@@ -58,7 +59,7 @@ class Frame:
     mesh_view: str = "near"
     visited: int = 0
     theatre: Theatre | None = None
-    bent: BentCurve | None = None
+    bent: Fit[BSpline] | None = None
     bases: BaseMap | None = None
     time: float = 0.0
     playing: bool = False

@@ -13,6 +13,7 @@ import numpy as np
 
 from abi.planner.plan import Plan
 from abi.search.search import SEARCHES, SearchResult
+from app.state.bent_curve import changed_share, moved_points
 from app.state.frame import Frame
 from app.ui.numbers import (
     distance_to_show,
@@ -128,12 +129,14 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
         "bspline.degree": partial(_number, "plan.scene.spline.degree"),
         "bspline.clearance": lambda f: _clearance(f.plan, "bspline"),
         "bspline.points": partial(_number, "plan.bspline.curve.control_points"),
-        "bent.moved": partial(_number, "bent.moved"),
-        "bent.length": partial(_number, "bent.length"),
-        "bent.changed": lambda f: None if f.bent is None else 100 * f.bent.changed,
-        "bent.clearance": lambda f: (
-            None if f.bent is None else distance_to_show(f.bent.fit.clearance)
+        "bent.moved": lambda f: (
+            None if f.bent is None else int(moved_points(f.plan, f.bent.curve).sum())
         ),
+        "bent.length": partial(_number, "bent.arc.length"),
+        "bent.changed": lambda f: (
+            None if f.bent is None else 100 * changed_share(f.plan, f.bent.curve)
+        ),
+        "bent.clearance": lambda f: None if f.bent is None else distance_to_show(f.bent.clearance),
         "quadratic.length": partial(_number, "plan.quadratic_arc.length"),
         "quadratic.clearance": lambda f: _clearance(f.plan, "quadratic"),
         "quadratic.clear": partial(_number, "plan.quadratic.holds"),

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from abi.curves.bspline import BSpline
+from abi.curves.fit import Fit
 from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
 from abi.search.replay import replay
-from app.state.bent_curve import BentCurve, bend
+from app.state.bent_curve import bend
 from app.state.frame import Frame
 from app.teach.lesson import SearchCue, Setting, scene_of
 from app.theatre.searches import EDGES, trace
@@ -49,16 +51,18 @@ class Rehearsal:
             shown=frame.shown if setting.shown is None else frozenset(setting.shown),
             time=frame.time if setting.time is None else setting.time,
         )
-        self.frame = replace(self.frame, theatre=self._theatre(), bent=self._bent(setting))
+        self.frame = replace(self.frame, theatre=self._theatre(), bent=self._bent(setting, frame))
         return self.frame
 
-    def _bent(self, setting: Setting) -> BentCurve | None:
+    def _bent(self, setting: Setting, last: Frame) -> Fit[BSpline] | None:
         """The bent curve that a setting asks for, or the last one if it still fits the plan."""
-        plan, bent = self.frame.plan, self.frame.bent
+        plan = self.frame.plan
         if plan.bspline is None or "bent" not in self.frame.shown:
             return None
         if not setting.bend:
-            return bent if bent is not None and bent.of is plan.bspline.curve else None
+            before = last.plan.bspline
+            same = before is not None and before.curve is plan.bspline.curve
+            return last.bent if same else None
         points = plan.bspline.curve.control_points
         return bend(plan, {k: points[k] + by for k, by in setting.bend.items()})
 

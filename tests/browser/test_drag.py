@@ -146,7 +146,7 @@ def test_a_control_point_bends_a_curve_of_the_tabs_own(page: Page, session: Sess
         if bent is None:
             return False
         return np.allclose(
-            page.position("/bend/1"), bent.fit.curve.control_points[1], rtol=0, atol=1e-5
+            page.position("/bend/1"), bent.curve.control_points[1], rtol=0, atol=1e-5
         )
 
     page.until(follows, "a bent curve")

@@ -12,11 +12,12 @@ import viser
 
 from abi.arrays import FloatArray
 from abi.curves.bspline import BSpline
+from abi.curves.fit import Fit
 from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
 from app.drawing.lines import NO_SEGMENTS, add_line, dashes, parameters, segments
 from app.panels.widgets import Wake
-from app.state.bent_curve import BentCurve, bend
+from app.state.bent_curve import bend
 from app.state.frame import Frame
 from app.ui import style
 from app.ui.numbers import distance_to_show, format_length, format_lower_bound, format_setting
@@ -50,11 +51,11 @@ class ControlHandles:
         self._places: dict[int, Vec3] = {}
         self._grips: dict[int, FloatArray] = {}
         self._bounds = np.zeros(3), np.zeros(3)
-        self._bent: BentCurve | None = None
+        self._bent: Fit[BSpline] | None = None
         self._bent_places: dict[int, Vec3] = {}
-        self._drawn: BentCurve | None = None
+        self._drawn: Fit[BSpline] | None = None
 
-    def bent(self, frame: Frame) -> BentCurve | None:
+    def bent(self, frame: Frame) -> Fit[BSpline] | None:
         """The curve as it is bent now; None while no point of the frame's is moved."""
         fit = frame.plan.bspline
         curve = None if fit is None else fit.curve
@@ -119,15 +120,15 @@ class ControlHandles:
             self._grips.pop(number, None)
         self._wake(event)
 
-    def _draw_bent(self, plan: Plan, bent: BentCurve | None) -> None:
+    def _draw_bent(self, plan: Plan, bent: Fit[BSpline] | None) -> None:
         self._label.visible = bent is not None
         if bent is None:
             self._line.points = self._polygon.points = NO_SEGMENTS
             return
-        curve, size = bent.fit.curve, max(plan.scene.workspace.size)
+        curve, size = bent.curve, max(plan.scene.workspace.size)
         line = curve(parameters(curve.interval, _SAMPLES))
         self._line.points = dashes(line, _DASH * size)
-        colour = style.BSPLINE if bent.fit.holds else style.VIOLATION
+        colour = style.BSPLINE if bent.holds else style.VIOLATION
         self._line.colors = np.array(colour, np.uint8)
         self._polygon.points = segments(curve.control_points)
         last = next(reversed(self._places))
@@ -140,16 +141,16 @@ def _vector(place: FloatArray) -> Vec3:
     return x, y, z
 
 
-def _told(plan: Plan, bent: BentCurve) -> str:
+def _told(plan: Plan, bent: Fit[BSpline]) -> str:
     """Length of a bent curve and what it keeps, in a few words."""
-    unit, fit = plan.scene.unit, bent.fit
-    length = f"bent: {format_length(bent.length)} {unit}"
-    if math.isinf(fit.clearance.distance):
+    unit = plan.scene.unit
+    length = f"bent: {format_length(bent.arc.length)} {unit}"
+    if math.isinf(bent.clearance.distance):
         return length
-    distance = format_lower_bound(distance_to_show(fit.clearance))
-    if fit.holds:
+    distance = format_lower_bound(distance_to_show(bent.clearance))
+    if bent.holds:
         return f"{length}, keeps {distance} {unit} ✓"
-    if fit.clearance.nearest > 0:
-        return f"{length}, too close: {distance}, wanted {format_setting(fit.required)} {unit} ✗"
-    number = fit.clearance.obstacle + 1
+    if bent.clearance.nearest > 0:
+        return f"{length}, too close: {distance}, wanted {format_setting(bent.required)} {unit} ✗"
+    number = bent.clearance.obstacle + 1
     return f"{length}, cuts {distance.removeprefix('−')} {unit} into obstacle {number} ✗"
