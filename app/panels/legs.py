@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import html
 import itertools
+from collections.abc import Sequence
 
 import viser
 
@@ -18,7 +19,7 @@ from abi.scene.leg import Leg
 from abi.scene.scene import Scene
 from app.panels.widgets import Wake, hidden_button, pressed
 from app.state.frame import Frame
-from app.state.known_legs import KnownLeg, KnownLegs
+from app.state.known_legs import KnownLeg
 from app.ui.overlay import button
 from app.ui.time_bar import leg_at
 
@@ -36,7 +37,6 @@ class LegsCard:
         self.go_back = hidden_button(gui, "Leg before", wake)
         self.number: int | None = None
         self.from_time = 0.0
-        self._whole: Scene | None = None
         self._legs: list[KnownLeg] = []
         self._complete: list[Plan] = []  # those of which nothing is to come
         self._due = False  # whether the leg that is shown has been played
@@ -49,7 +49,6 @@ class LegsCard:
         if frame.outdated or frame.plan.coarse:
             return
         if plan.scene.tasks:
-            self._whole = plan.scene
             self._take(0, plan)
         elif (number := self._number_of(plan.scene)) is None:
             self.number = None
@@ -60,19 +59,16 @@ class LegsCard:
         self._complete = [one for one in complete if one in plans]
         self._asked = None
 
-    def restore(self, known: KnownLegs | None) -> None:
-        """Take up a sequence of which a leg is about to be shown; None for none."""
+    def restore(self, legs: Sequence[KnownLeg]) -> None:
+        """Take up a sequence of which the leg after ``legs`` is about to be shown, if there are."""
         self.number = None
-        if known is not None:
-            self._whole, self.number, self._legs = known.whole, known.number, [*known.legs]
+        if legs:
+            self.number, self._legs = len(legs), [*legs]
 
     @property
-    def kept(self) -> KnownLegs | None:
-        """What a reload needs to show the leg that is shown as one of a sequence; None for none."""
-        if not self.number or self._whole is None:
-            return None  # the first leg is the scene itself
-        legs = (leg._replace(plan=None) for leg in self._legs[: self.number])
-        return KnownLegs(self._whole, self.number, tuple(legs))
+    def kept(self) -> tuple[KnownLeg, ...]:
+        """The legs before the one that is shown: what a reload needs to take up the sequence."""
+        return tuple(leg._replace(plan=None) for leg in self._legs[: self.number or 0])
 
     def _number_of(self, scene: Scene) -> int | None:
         """Number of the leg that begins as a scene does, in the joints in which another ended.
@@ -96,6 +92,11 @@ class LegsCard:
             self._legs[number] = leg
         else:
             self._legs[number:] = [leg]
+
+    @property
+    def _whole(self) -> Scene | None:
+        """The scene with all tasks; None before there was one."""
+        return self._legs[0].scene if self._legs else None
 
     @property
     def _tasks(self) -> tuple[Leg, ...]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -27,7 +26,7 @@ class KnownLeg(NamedTuple):
     """A leg that has been planned.
 
     Attributes:
-        scene: of the leg.
+        scene: of the leg; that of the first has all tasks.
         joints: positions in which it ends, by name, [rad] or [unit]; empty without a motion.
         duration: of its motion, [s]; 0 without one.
         plan: of the leg; None where it is not at hand.
@@ -48,35 +47,26 @@ class KnownLeg(NamedTuple):
         return cls(plan.scene, tuple(pairs), float(motion.time[-1]), plan)
 
 
-@dataclass(frozen=True)
-class KnownLegs:
-    """A sequence of tasks, of which some legs have been planned.
+def as_data(legs: Sequence[KnownLeg]) -> list[Any]:
+    """Number of the leg after ``legs``, where each of them ends and how long it takes: for JSON."""
+    return [len(legs), [[dict(one.joints), one.duration] for one in legs]]
 
-    Attributes:
-        whole: the scene with all tasks.
-        number: of the leg that is shown, from 0.
-        legs: those before it.
+
+def legs_of(whole: Scene, data: object) -> tuple[KnownLeg, ...]:
+    """The legs before one that is shown, as untrusted data tell; none if they are of no such scene.
+
+    Args:
+        whole: the scene with all tasks, which is that of the first leg.
+        data: by :func:`as_data`.
     """
-
-    whole: Scene
-    number: int
-    legs: tuple[KnownLeg, ...]
-
-    def to_list(self) -> list[Any]:
-        """Number, and where each leg ends and how long it takes, as plain data."""
-        return [self.number, [[dict(one.joints), one.duration] for one in self.legs]]
-
-    @classmethod
-    def of(cls, whole: Scene, data: object) -> Self | None:
-        """The leg that untrusted data tell, and those before; None if they tell none of a scene."""
-        match data:
-            case [int(number), [*given]] if 0 < number < len(whole.tasks):
-                ends = [_end(one) for one in given[: len(whole.tasks)]]
-                known = [one for one in ends if one is not None]
-                if number <= len(known) == len(ends):
-                    with contextlib.suppress(AbiError):
-                        return cls(whole, number, _legs(whole, known[:number]))
-        return None
+    match data:
+        case [int(number), [*given]] if 0 < number < len(whole.tasks):
+            ends = [_end(one) for one in given[: len(whole.tasks)]]
+            known = [one for one in ends if one is not None]
+            if number <= len(known) == len(ends):
+                with contextlib.suppress(AbiError):
+                    return _legs(whole, known[:number])
+    return ()
 
 
 def _legs(whole: Scene, ends: Sequence[tuple[dict[str, float], float]]) -> tuple[KnownLeg, ...]:

@@ -21,7 +21,7 @@ from abi.scene.scene_file import MAX_JSON_BYTES
 from abi.scene.without_obstacles import contacts_without, legs_without
 from app.camera.camera import View
 from app.shared import mesh_store
-from app.state.known_legs import KnownLegs
+from app.state.known_legs import KnownLeg, as_data, legs_of
 
 LONGEST_LINK = 6000
 """Most characters of a state that servers and browsers accept in an address."""
@@ -57,7 +57,7 @@ class TabState:
         before: the state to which the end of a lesson or of the paper's figures leads; itself
             without one. No link has it.
         figure: number of the paper's figure that is shown since; 0 for none.
-        tasks: the sequence of which the scene is a leg; None for none.
+        tasks: the legs before the scene, where that is one of a sequence.
     """
 
     name: str
@@ -75,7 +75,7 @@ class TabState:
     faults: tuple[str, ...] = ()
     before: TabState | None = None
     figure: int = 0
-    tasks: KnownLegs | None = None
+    tasks: tuple[KnownLeg, ...] = ()
 
     def alone(self) -> TabState:
         """The state without the previous one, as others are shown it."""
@@ -137,7 +137,7 @@ def encoder() -> Callable[[TabState], str]:
 
 def _encode(
     scene_part: Callable[[Scene], tuple[bytes, bytes]],
-    tasks_part: Callable[[KnownLegs | None], tuple[bytes, bytes]],
+    tasks_part: Callable[[tuple[KnownLeg, ...]], tuple[bytes, bytes]],
     before_part: Callable[[TabState | None], tuple[bytes, bytes]],
     state: TabState,
 ) -> str:
@@ -175,11 +175,11 @@ def _before_part(before: TabState | None) -> tuple[bytes, bytes]:
     return _part(f',"before":{{{_fields_of(before.scene)},{settings}')
 
 
-def _tasks_part(tasks: KnownLegs | None) -> tuple[bytes, bytes]:
+def _tasks_part(legs: tuple[KnownLeg, ...]) -> tuple[bytes, bytes]:
     """The sequence of tasks as a field of the object, and compressed; empty without one."""
-    if tasks is None:
+    if not legs:
         return b"", b""
-    return _part(f',"tasks":{{{_fields_of(tasks.whole)},"legs":{json.dumps(tasks.to_list())}}}')
+    return _part(f',"tasks":{{{_fields_of(legs[0].scene)},"legs":{json.dumps(as_data(legs))}}}')
 
 
 def _part(text: str) -> tuple[bytes, bytes]:
@@ -224,15 +224,15 @@ def _before(data: object, meshes: MeshSource) -> TabState | None:
         return None
 
 
-def _tasks(data: object, meshes: MeshSource) -> KnownLegs | None:
-    """Parse a sequence of tasks; None if it cannot be shown, whatever the present scene is."""
+def _tasks(data: object, meshes: MeshSource) -> tuple[KnownLeg, ...]:
+    """Parse a sequence of tasks; empty if it cannot be shown, whatever the present scene is."""
     if not isinstance(data, dict):
-        return None
+        return ()
     try:
         scene, missing = _scene(data.get("scene"), data.get("files"), meshes)
-        return None if missing else KnownLegs.of(scene, data.get("legs"))
+        return () if missing else legs_of(scene, data.get("legs"))
     except SceneError:
-        return None
+        return ()
 
 
 def _figure(data: dict[str, Any]) -> int:

@@ -15,7 +15,7 @@ from abi.scene.scene import load_scene
 from app.panels import playback
 from app.panels.legs import LegsCard
 from app.state.frame import Frame
-from app.state.known_legs import KnownLegs
+from app.state.known_legs import legs_of
 from app.state.tab_state import TabState
 from app.tab.session import Session
 from tests.app.fake_tab import FakeTab, until
@@ -164,9 +164,8 @@ def test_the_slider_leads_to_every_leg_that_is_known_and_a_reload_keeps_them(
 
     text = session.state().encode()
     state = TabState.decode(text, MeshSource())
-    assert state.tasks is not None
     scenes = [leg.scene for leg in legs._legs[:3]]
-    assert [leg.scene for leg in state.tasks.legs] == scenes
+    assert [leg.scene for leg in state.tasks] == scenes
     card = LegsCard(session.client.gui, lambda event: None)
     card.restore(state.tasks)
     card.see(session.frame)
@@ -174,7 +173,7 @@ def test_the_slider_leads_to_every_leg_that_is_known_and_a_reload_keeps_them(
     ends = [(leg.joints, leg.duration) for leg in legs._legs]
     assert [(leg.joints, leg.duration) for leg in card._legs] == ends
     # what tells another sequence is not taken for this one
-    whole, number = state.tasks.whole, state.tasks.number
+    whole, number = state.tasks[0].scene, len(state.tasks)
     # the second leg does not end there
     aside = {name: at + 0.01 * (name == ends[0][0][0][0]) for name, at in ends[1][0]}
     turned = [[dict(ends[0][0]), ends[0][1]], [aside, 1.0], [dict(ends[2][0]), 1.0]]
@@ -184,6 +183,6 @@ def test_the_slider_leads_to_every_leg_that_is_known_and_a_reload_keeps_them(
         [len(whole.tasks), [[{}, 1.0]] * 6],
         [number, [[{"a": "b"}, 1.0]] * 3],
     ):
-        assert KnownLegs.of(whole, data) is None
-    card.restore(KnownLegs.of(whole, [number, [[{"elbow": 1.0}, 1.0]] * 3]))
+        assert legs_of(whole, data) == ()
+    card.restore(legs_of(whole, [number, [[{"elbow": 1.0}, 1.0]] * 3]))
     assert card.html() == ""
