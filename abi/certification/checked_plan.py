@@ -83,7 +83,7 @@ def _motion(verdict: MotionVerdict, arm: UrdfArm) -> ArmMotion:
         target=points,
         tool=points,
         tool_velocity=read_only(np.gradient(tool, time, axis=0)),
-        unreachable=(),
+        shortfall=read_only(np.zeros(len(time))),
         limit_violations=tuple(limits),
         peak_joint_speed=read_only(np.abs(speeds).max(axis=0)),
         joints=arm.joints,

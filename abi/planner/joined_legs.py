@@ -32,11 +32,7 @@ def joined_motion(motions: Sequence[ArmMotion]) -> ArmMotion:
         target=_joined([one.target for one in motions]),
         tool=_joined([one.tool for one in motions]),
         tool_velocity=_joined([one.tool_velocity for one in motions]),
-        unreachable=tuple(
-            one._replace(first=one.first + at, last=one.last + at)
-            for motion, at in zip(motions, starts, strict=True)
-            for one in motion.unreachable
-        ),
+        shortfall=_joined([one.shortfall for one in motions]),
         limit_violations=joined_violations([one.limit_violations for one in motions], starts),
         peak_joint_speed=read_only(np.max([one.peak_joint_speed for one in motions], axis=0)),
         rates=(

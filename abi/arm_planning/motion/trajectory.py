@@ -6,7 +6,6 @@ constant generalised forces of their drives.
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, NamedTuple
@@ -52,20 +51,6 @@ class Violation(NamedTuple):
     quantity: Quantity = "position"
 
 
-class Stretch(NamedTuple):
-    """A stretch of time out of reach.
-
-    Attributes:
-        first: time of its first sample, [s].
-        last: time of its last sample, [s].
-        shortfall: the worst, [unit]: > 0 too far from the shoulder, < 0 too near.
-    """
-
-    first: float
-    last: float
-    shortfall: float
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class ArmMotion(ShortRepr):
     """The arm's motion, sampled uniformly in time.
@@ -79,7 +64,8 @@ class ArmMotion(ShortRepr):
         target: point of the curve, shape (m, 3), [unit], world.
         tool: position of the tool, shape (m, 3), [unit], world; off the target only out of reach.
         tool_velocity: velocity of the target, shape (m, 3), [unit/s], world.
-        unreachable: the stretches out of reach; empty when the arm follows the whole curve.
+        shortfall: distance by which each sample is out of reach, shape (m,), [unit]: > 0 too far, <
+            0 too near to the shoulder.
         limit_violations: one for each joint whose position passes a limit, where it is farthest
             past it.
         peak_joint_speed: largest mean speed between two samples, shape (6,), [rad/s], q5 [unit/s].
@@ -97,7 +83,7 @@ class ArmMotion(ShortRepr):
     target: FloatArray
     tool: FloatArray
     tool_velocity: FloatArray
-    unreachable: tuple[Stretch, ...]
+    shortfall: FloatArray
     limit_violations: tuple[Violation, ...]
     peak_joint_speed: FloatArray
     joints: tuple[str, ...] = JOINTS
@@ -107,7 +93,7 @@ class ArmMotion(ShortRepr):
     @property
     def reachable(self) -> bool:
         """Whether every sample is within reach."""
-        return not self.unreachable
+        return not self.shortfall.any()
 
     @cached_property
     def joint_velocities(self) -> FloatArray:
@@ -144,26 +130,31 @@ class ArmMotion(ShortRepr):
     @property
     def slide_at_fault(self) -> Violation | None:
         """Where q5 passes its limit before the worst stretch out of reach ends; None if nowhere."""
-        if not self.unreachable or self.joints != JOINTS:
+        if self.reachable or self.joints != JOINTS:
             return None
-        last, slides = self._worst.last, (one for one in self.limit_violations if one.joint == "q5")
+        last = float(self.time[self._worst_samples][-1])
+        slides = (one for one in self.limit_violations if one.joint == "q5")
         return next((one for one in slides if one.since <= last), None)
 
-    @property
-    def _worst(self) -> Stretch:
-        return max(self.unreachable, key=lambda stretch: abs(stretch.shortfall))
+    @cached_property
+    def _worst_samples(self) -> slice:
+        """Samples around the one that is farthest out of reach, all out of reach on its side."""
+        worst, side = int(np.abs(self.shortfall).argmax()), np.sign(self.shortfall)
+        others = np.flatnonzero(side != side[worst])
+        first = int(others[others < worst].max(initial=-1)) + 1
+        return slice(first, int(others[others > worst].min(initial=len(side))))
 
     @property
     def error(self) -> StageError | None:
         """Error for the worst stretch out of reach; None if there is none."""
-        if not self.unreachable:
+        if self.reachable:
             return None
-        worst, past = self._worst, self.slide_at_fault
+        first, last = self.time[self._worst_samples][[0, -1]].tolist()
+        worst, past = float(max(self.shortfall, key=abs)), self.slide_at_fault
         if self.joints != JOINTS:
-            return out_of_reach(worst.first, worst.last, worst.shortfall, None)
+            return out_of_reach(first, last, worst, None)
         slide = None if past is None else (past.value, past.limit)
-        side = abs(worst.shortfall), worst.shortfall < 0
-        return out_of_reach(worst.first, worst.last, *side, slide)
+        return out_of_reach(first, last, abs(worst), worst < 0, slide)
 
 
 def follow(
@@ -203,7 +194,7 @@ def follow(
         target=read_only(target),
         tool=read_only(forward(arm, positions)),
         tool_velocity=read_only(velocity),
-        unreachable=stretches(time, shortfall),
+        shortfall=read_only(shortfall),
         limit_violations=_violations(time, positions.T, arm.limits),
         peak_joint_speed=read_only(largest / step if step > 0 else np.zeros(6)),
     )
@@ -218,19 +209,6 @@ def rest_pose(arm: PaperArm, settings: ArmSettings, point: Vec3) -> FloatArray:
     q5 = np.array([settings.q5])
     joints, _ = solve(arm, np.array([point]), q5, settings.branches[0], np.zeros((1, 3)))
     return read_only(np.array([*joints[0], 0.0, settings.q5, 0.0]))
-
-
-def stretches(time: FloatArray, shortfall: FloatArray) -> tuple[Stretch, ...]:
-    """Runs of samples out of reach on the same side."""
-    if not shortfall.any():
-        return ()
-    side = np.sign(shortfall)
-    edges = np.flatnonzero(np.diff(side, prepend=0.0, append=0.0))
-    return tuple(
-        Stretch(float(time[a]), float(time[b - 1]), float(max(shortfall[a:b], key=abs)))
-        for a, b in itertools.pairwise(edges)
-        if side[a] != 0
-    )
 
 
 def _violations(time: FloatArray, joints: FloatArray, limits: FloatArray) -> tuple[Violation, ...]:

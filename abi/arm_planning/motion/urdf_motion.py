@@ -26,7 +26,7 @@ from abi.arm_planning.motion.arm_clearance import (
 )
 from abi.arm_planning.motion.proof_memory import ProofMemory
 from abi.arm_planning.motion.tool_motion import tool_samples
-from abi.arm_planning.motion.trajectory import ArmMotion, stretches
+from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.world.chain_distances import (
     Poses,
     floor_distances,
@@ -130,7 +130,7 @@ class ChainJointPath:
             target=read_only(target),
             tool=read_only(tool),
             tool_velocity=read_only(velocity),
-            unreachable=stretches(time, np.where(missed > allowed, missed, 0.0)),
+            shortfall=read_only(np.where(missed > allowed, missed, 0.0)),
             limit_violations=(),
             peak_joint_speed=read_only(np.abs(np.diff(positions, axis=0)).max(axis=0) / step),
             joints=arm.joints,

@@ -224,31 +224,40 @@ def test_velocity_is_sampled_with_the_positions() -> None:
     np.testing.assert_allclose(motion.tool_velocity, numeric, atol=0.02)
 
 
+def stretches(motion: ArmMotion) -> list[tuple[float, float, float]]:
+    """First and last time of each run of samples out of reach, and the worst in it."""
+    side = np.sign(motion.shortfall)
+    runs = np.split(np.arange(len(side)), np.flatnonzero(np.diff(side)) + 1)
+    worst = [max(motion.shortfall[run].tolist(), key=abs) for run in runs]
+    ends = [motion.time[run[[0, -1]]].tolist() for run in runs]
+    return [(*both, one) for both, one in zip(ends, worst, strict=True) if one]
+
+
 def test_too_far_is_told_by_time_and_distance() -> None:
     arm = ArmSettings(base=(0.0, 0.0, 0.0))
     motion = run(straight((4.0, 0.0, 3.0), (14.0, 0.0, 3.0)), arm)
-    (stretch,) = motion.unreachable
+    ((first, last, shortfall),) = stretches(motion)
     reach = arm.a3 + arm.a4 + arm.a5
     distance = np.linalg.norm(motion.target - [0, 0, 3], axis=1)
-    assert stretch.first == motion.time[distance > reach][0]
-    assert stretch.last == motion.time[-1]
-    assert stretch.shortfall == pytest.approx(14 - reach, abs=1e-9)
+    assert first == motion.time[distance > reach][0]
+    assert last == motion.time[-1]
+    assert shortfall == pytest.approx(14 - reach, abs=1e-9)
     missed = np.linalg.norm(motion.tool - motion.target, axis=1)
     np.testing.assert_allclose(missed, np.maximum(distance - reach, 0), atol=1e-9)
     assert not motion.reachable
     assert motion.error is not None
     assert motion.error.kind == OUT_OF_REACH
-    assert f"from {stretch.first:.2f} s to {stretch.last:.2f} s" in motion.error.message
+    assert f"from {first:.2f} s to {last:.2f} s" in motion.error.message
     assert f"too far away, by up to {14 - reach:.3g} cm" in motion.error.in_unit("cm").message
 
 
 def test_too_near_is_told_too() -> None:
     arm = ArmSettings(base=(0.0, 0.0, 0.0), a3=6.0, a4=1.0, a5=1.0)
     motion = run(straight((7.0, 0.5, 3.0), (-7.0, 0.5, 3.0)), arm)
-    (stretch,) = motion.unreachable
+    ((first, last, shortfall),) = stretches(motion)
     distance = np.linalg.norm(motion.target - [0, 0, 3], axis=1)
-    assert stretch.shortfall == pytest.approx(float(distance.min()) - 4)
-    assert (stretch.first, stretch.last) == tuple(motion.time[distance < 4][[0, -1]])
+    assert shortfall == pytest.approx(float(distance.min()) - 4)
+    assert (first, last) == tuple(motion.time[distance < 4][[0, -1]])
     assert motion.error is not None
     assert "too near" in motion.error.message
 
@@ -256,13 +265,13 @@ def test_too_near_is_told_too() -> None:
 def test_several_stretches_are_told_apart() -> None:
     arm = ArmSettings(base=(0.0, 0.0, 0.0))
     motion = run(straight((13.0, 2.0, 3.0), (-12.5, 2.0, 3.0)), arm)
-    first, second = motion.unreachable
-    assert first.first == 0
-    assert first.last < second.first
-    assert second.last == motion.time[-1]
-    assert first.shortfall > second.shortfall > 0
+    (begin, first_end, worst), (second_begin, end, second) = stretches(motion)
+    assert begin == 0
+    assert first_end < second_begin
+    assert end == motion.time[-1]
+    assert worst > second > 0
     assert motion.error is not None
-    assert f"from {first.first:.2f} s to" in motion.error.message
+    assert f"from {begin:.2f} s to {first_end:.2f} s" in motion.error.message
 
 
 def test_joints_past_their_limits_are_named() -> None:
