@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -24,23 +23,7 @@ _PEAK = {"linear": 1.0, "cubic": 1.5, "quintic": 1.875}
 """Largest speed of a motion from rest to rest, over its mean."""
 
 
-class RepairedMotion(NamedTuple):
-    """A motion in whose place another one is proven clear.
-
-    Attributes:
-        verdict: on the new motion: it is clear.
-        stretches: times of the old motion between which it now goes another way, [s].
-        longer: by how much it takes longer, [s]; less than 0 where it is faster.
-        farther: by what part of the old way the joints move farther.
-    """
-
-    verdict: MotionVerdict
-    stretches: tuple[tuple[float, float], ...]
-    longer: float
-    farther: float
-
-
-def repair(verdict: MotionVerdict, acceleration: float | None = None) -> RepairedMotion:
+def repair(verdict: MotionVerdict, acceleration: float | None = None) -> tuple[MotionVerdict, str]:
     """Plan anew what is not proven clear, from the last proven waypoint to the next.
 
     The new part goes as fast as the motion did on average, or as the joints' limits allow.
@@ -48,6 +31,9 @@ def repair(verdict: MotionVerdict, acceleration: float | None = None) -> Repaire
     Args:
         verdict: on a motion that is not clear, of the joints of the scene's arm.
         acceleration: largest of each joint, [rad/s²], of sliding ones [m/s²]; None for no limit.
+
+    Returns:
+        The verdict on the new motion, which is clear, and a sentence on how it differs.
 
     Raises:
         AbiError: there is no such waypoint, or no way was found.
@@ -60,14 +46,20 @@ def repair(verdict: MotionVerdict, acceleration: float | None = None) -> Repaire
         new = _with_ways(space, motion, gaps, ways)
         proven = certify_motion(new, verdict.scene, acceleration=acceleration)
         if proven.state == "clear":
-            before, after = (_length(space, one) for one in (motion, new))
-            return RepairedMotion(
-                verdict=proven,
-                stretches=tuple((float(motion.times[a]), float(motion.times[b])) for a, b in gaps),
-                longer=float(np.ptp(new.times) - np.ptp(motion.times)),
-                farther=after / before - 1 if before > 0 else 0.0,
-            )
+            return proven, _difference(space, verdict, new, gaps)
     raise AbiError("The other ways that were found could not be proven clear, either.")
+
+
+def _difference(
+    space: JointSpace, verdict: MotionVerdict, new: Motion, gaps: list[tuple[int, int]]
+) -> str:
+    """Sentence on where a motion goes another way, and how much longer and farther it is."""
+    old = verdict.problem.motion.motion
+    where = ", ".join(" to ".join(verdict.at(float(old.times[k])) for k in gap) for gap in gaps)
+    before, after = (_length(space, one) for one in (old, new))
+    farther = f"{100 * (after / before - 1 if before > 0 else 0.0):+.0f} % of way in the joints"
+    longer = f"{np.ptp(new.times) - np.ptp(old.times):+.2f} s, " if new.timed else ""
+    return f"Repaired from {where}: {longer}{farther}."
 
 
 def _space(verdict: MotionVerdict) -> JointSpace:

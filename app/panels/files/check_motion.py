@@ -162,17 +162,12 @@ class CheckMotionPanel:
     def _mend(self, verdict: MotionVerdict) -> None:
         """Take a repaired motion in place of the one that is checked."""
         try:
-            found = repair(verdict, verdict.scene.motion.joint_acceleration)
+            repaired, words = repair(verdict, verdict.scene.motion.joint_acceleration)
         except AbiError as error:
             notices.notify_refusal(self._client, "Not repaired", _sentence(error))
             return
-        self._motion = found.verdict.problem.motion.motion
-        parts = [f"{verdict.at(first)} to {verdict.at(last)}" for first, last in found.stretches]
-        longer = f"{100 * found.farther:+.0f} % of way in the joints"
-        if self._motion.timed:
-            longer = f"{found.longer:+.2f} s, {longer}"
-        self._repaired = f"Repaired from {', '.join(parts)}: {longer}."
-        self.verdict, self._plan = found.verdict, checked_plan(found.verdict)
+        self._motion, self._repaired = repaired.problem.motion.motion, words
+        self.verdict, self._plan = repaired, checked_plan(repaired)
 
     def _refuse(self, name: str, error: AbiError) -> None:
         notices.notify_refusal(self._client, f"{name} is not checked", _sentence(error), stays=True)
