@@ -20,6 +20,7 @@ from abi.archive_members import members_of, without_folder
 from abi.errors import SceneError
 from abi.obstacles.mesh_files.obj import write_unit
 from abi.obstacles.mesh_files.zip_archive import DAMAGED_ZIP
+from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.file_names import same_name
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read_surface
 from abi.obstacles.triangle_mesh.mesh_source import Files
@@ -57,7 +58,12 @@ def pack(data: Mapping[str, Any], files: Files) -> bytes:
                 assert isinstance(stored, bytes)
                 archive.writestr(file, stored)
                 continue
-            archive.writestr(names[file], _obj(content))
+            text = _obj(content).encode()
+            count = text.count(b"\nf ")
+            if len(text) > mesh_reader.MAX_BYTES or count > mesh_reader.MAX_FACES:
+                expected = "a mesh of at most 500,000 triangles, and 50 MB with all its digits"
+                raise SceneError("file", file, expected)
+            archive.writestr(names[file], text)
             if file != names[file]:
                 archive.getinfo(names[file]).comment = file.encode()
     if len(packed.getvalue()) > MAX_BYTES:

@@ -14,6 +14,7 @@ import trimesh
 
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
 from abi.scene.scene import MOST_OBSTACLES, Scene, load_scene
 from tests.abi import meshes
@@ -56,6 +57,16 @@ def test_a_scene_comes_back_with_its_meshes(tmp_path: Path) -> None:
     path.write_bytes(scene.pack())
     assert load_scene(path) == scene
     assert load_scene(path).meshes.files == scene.meshes.files
+
+
+@pytest.mark.parametrize("limit", ["MAX_BYTES", "MAX_FACES"])
+def test_a_mesh_too_large_to_be_read_again_is_not_packed(
+    limit: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = with_meshes()
+    monkeypatch.setattr(mesh_reader, limit, 100)
+    with pytest.raises(SceneError, match="at most 500,000 triangles, and 50 MB"):
+        scene.pack()
 
 
 def test_meshes_of_every_format_come_back_equal(tmp_path: Path) -> None:
