@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -25,69 +26,60 @@ _SIDE, _PITCH, _CLEARANCE = 6.0, 1.3, 0.2
 _MOST_BOXES = 4
 
 
-@dataclass(frozen=True, eq=False)
-class HiddenScene:
-    """A scene whose start and goal are joined, and its graph.
-
-    Attributes:
-        scene: the scene.
-        graph: its graph.
-        expanded: nodes of the graph that Dijkstra's algorithm expands, by length.
-    """
-
-    scene: Scene
-    graph: Graph
-    expanded: int
-
-    @property
-    def boxes(self) -> tuple[tuple[list[float], list[float]], ...]:
-        """Lower and upper corners of the obstacles."""
-        found = []
-        for box in self.scene.obstacles:
-            assert isinstance(box, Box)
-            centre, half = np.array(box.position), np.array(box.size) / 2
-            found.append(((centre - half).tolist(), (centre + half).tolist()))
-        return tuple(found)
-
-    def rows(self) -> dict[str, Any]:
-        """The graph as plain data."""
-        graph = self.graph
-        return {
-            "indptr": graph.indptr.tolist(),
-            "indices": graph.indices.tolist(),
-            "lengths": graph.lengths.tolist(),
-            "points": graph.points.tolist(),
-            "start": graph.start,
-            "goal": graph.goal,
-        }
-
-
 @functools.lru_cache(maxsize=8)
-def hidden_scenes(seed: int) -> tuple[HiddenScene, ...]:
-    """The scenes of a seed: a box in the middle first, then one to four boxes at random."""
-    random = np.random.default_rng(seed)
-    found = [hidden_scene(_scene([_box((2.0,) * 3, (3.0,) * 3)]))]
-    for boxes in _random_boxes(random):
-        one = hidden_scene(_scene(boxes))
-        if one is not None:
-            found.append(one)
+def hidden_scenes(seed: int) -> tuple[Scene, ...]:
+    """The scenes of a seed, in each of which start and goal are joined.
+
+    A box in the middle first, then one to four boxes at random.
+    """
+    random, found = np.random.default_rng(seed), list[Scene]()
+    middle = [_box((2.0,) * 3, (3.0,) * 3)]
+    for boxes in itertools.chain([middle], _random_boxes(random)):
+        scene = _scene(boxes)
+        with contextlib.suppress(StageError):
+            graph_of(scene)
+            found.append(scene)
         if len(found) == SCENES:
             break
-    return tuple(one for one in found if one is not None)
+    return tuple(found)
 
 
-def hidden_scene(scene: Scene) -> HiddenScene | None:
-    """The scene with its graph; None where start and goal are not joined."""
+@functools.lru_cache(maxsize=8 * SCENES)
+def graph_of(scene: Scene) -> Graph:
+    """Graph of a scene.
+
+    Raises:
+        StageError: start and goal are not joined.
+    """
     margin = scene.spline.clearance + scene.workspace.slack
     obstacles = ObstacleSet(scene.obstacles)
     free = exclude(tetrahedralise(scene.workspace, scene.mesh), obstacles, margin)
     ends = scene.start, scene.goal
-    try:
-        graph = build_graph(free, obstacles, margin, *ends, scene.spline.clearance)
-        found = search("dijkstra", graph, "length")
-    except StageError:
-        return None
-    return HiddenScene(scene, graph, found.expanded)
+    graph = build_graph(free, obstacles, margin, *ends, scene.spline.clearance)
+    search("dijkstra", graph, "length")
+    return graph
+
+
+def boxes_of(scene: Scene) -> tuple[tuple[list[float], list[float]], ...]:
+    """Lower and upper corners of a scene's obstacles, which are boxes."""
+    found = []
+    for box in scene.obstacles:
+        assert isinstance(box, Box)
+        centre, half = np.array(box.position), np.array(box.size) / 2
+        found.append(((centre - half).tolist(), (centre + half).tolist()))
+    return tuple(found)
+
+
+def rows_of(graph: Graph) -> dict[str, Any]:
+    """A graph as plain data."""
+    return {
+        "indptr": graph.indptr.tolist(),
+        "indices": graph.indices.tolist(),
+        "lengths": graph.lengths.tolist(),
+        "points": graph.points.tolist(),
+        "start": graph.start,
+        "goal": graph.goal,
+    }
 
 
 def _random_boxes(random: np.random.Generator) -> Iterator[list[dict[str, Any]]]:

@@ -47,7 +47,7 @@ from abi.search.search import SEARCHES, search
 from abi.search.taut.taut_path import polyline_length
 from abi.search.taut.tighten_near_meshes import tighten_near_meshes
 from abi.search.trace import trace_of
-from abi.teach.hidden_scenes import hidden_scene
+from abi.teach.hidden_scenes import graph_of
 from abi.tet_mesh.adjacency import of_rows, rows
 from abi.tet_mesh.delaunay import volumes
 from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply, within
@@ -108,9 +108,7 @@ def solids() -> ObstacleSet:
 @cache
 def graph(lattice: str) -> Graph:
     scene = abi.load_scene("two-boxes").replace(mesh={"lattice": lattice, "pitch": 1.5})
-    found = hidden_scene(scene)
-    assert found is not None
-    return found.graph
+    return graph_of(scene)
 
 
 @cache

@@ -7,11 +7,12 @@ import itertools
 import numpy as np
 
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.scene.scene import Scene
 from abi.search.arcs import Arcs
 from abi.search.heap_kernels import best_first_order
 from abi.search.replay import SearchState, replay
 from abi.search.trace import trace_of
-from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
+from abi.teach.hidden_scenes import boxes_of, graph_of, hidden_scenes
 from abi.teach.numbers import point, text
 from abi.teach.quiz.question import QuizQuestion, chosen, fixed, of_number
 
@@ -34,7 +35,7 @@ def next_node(random: np.random.Generator) -> QuizQuestion:
     while True:
         one = _scene(random)
         name = str(random.choice(list(_SEARCHES)))
-        arcs = Arcs.of(one.graph, "length")
+        arcs = Arcs.of(graph_of(one), "length")
         state = _stopped(random, arcs, _SEARCHES[name])
         open_nodes = state.open
         if len(open_nodes) < 4:
@@ -62,14 +63,14 @@ def next_node(random: np.random.Generator) -> QuizQuestion:
         [_at(arcs, node) for node in nodes[1:]],
         f"It takes the least {_sum(a, b)}: here {a * g + b * h:.3f}.",
         {"search": name, "numbers": {_at(arcs, node): numbers[node] for node in nodes}},
-        one.scene,
+        one,
     )
 
 
 def priority_of_node(random: np.random.Generator) -> QuizQuestion:
     """What is g, h or f of a node that has just been reached?"""
     one = _scene(random)
-    graph = one.graph
+    graph = graph_of(one)
     arcs = Arcs.of(graph, "length")
     state = _stopped(random, arcs, (1.0, 1.0))
     reached = np.flatnonzero(np.isfinite(state.cost) & (state.parent >= 0))
@@ -97,7 +98,7 @@ def priority_of_node(random: np.random.Generator) -> QuizQuestion:
         f"g = {text(before)} + {text(edge)} = {text(before + edge)}, the straight distance is "
         f"h = {text(straight)}, and f = g + h = {text(values['f'])}.",
         {"places": places.tolist(), "before": before, "asked": asked},
-        scene=one.scene,
+        scene=one,
     )
 
 
@@ -105,11 +106,11 @@ def edge_passes(random: np.random.Generator) -> QuizQuestion:
     """Does a segment meet a box?"""
     while True:
         one = _scene(random)
-        low, high = (np.array(corner) for corner in one.boxes[0])
+        low, high = (np.array(corner) for corner in boxes_of(one)[0])
         middle = random.uniform(low - 0.5, high + 0.5)
         half = random.uniform(-1.2, 1.2, 3)
         ends = np.stack([middle - half, middle + half]).round(1)
-        box = ObstacleSet(one.scene.obstacles[:1])
+        box = ObstacleSet(one.obstacles[:1])
         distance = box.polyline_clearance(ends)
         if abs(distance) > _EDGE_GAP and np.linalg.norm(ends[1] - ends[0]) > 0.5:
             break
@@ -126,7 +127,7 @@ def edge_passes(random: np.random.Generator) -> QuizQuestion:
         0 if meets else 1,
         why,
         {"ends": ends.tolist(), "box": [low.tolist(), high.tolist()]},
-        one.scene.replace(obstacles=[one.scene.obstacles[0].model_dump()]),
+        one.replace(obstacles=[one.obstacles[0].model_dump()]),
     )
 
 
@@ -134,9 +135,9 @@ def box_distance(random: np.random.Generator) -> QuizQuestion:
     """How far is a point from a box?"""
     while True:
         one = _scene(random)
-        low, high = (np.array(corner) for corner in one.boxes[0])
+        low, high = (np.array(corner) for corner in boxes_of(one)[0])
         place = random.uniform(low - 2.0, high + 2.0).round(1)
-        box = ObstacleSet(one.scene.obstacles[:1])
+        box = ObstacleSet(one.obstacles[:1])
         distance = float(box.signed_distance(place[None])[0])
         if distance > 0.1:
             break
@@ -155,14 +156,14 @@ def box_distance(random: np.random.Generator) -> QuizQuestion:
         f"It is {point(out)} outside along x, y and z, and √(x² + y² + z²) of these is "
         f"{text(distance)}.",
         {"place": place.tolist(), "box": [low.tolist(), high.tolist()]},
-        scene=one.scene.replace(obstacles=[one.scene.obstacles[0].model_dump()]),
+        scene=one.replace(obstacles=[one.obstacles[0].model_dump()]),
     )
 
 
 def consistent(random: np.random.Generator) -> QuizQuestion:
     """Along which edge does an estimate fall too much?"""
     one = _scene(random)
-    graph = one.graph
+    graph = graph_of(one)
     edges = graph.edges[random.choice(len(graph.edges), 3, replace=False)]
     lengths = np.linalg.norm(np.diff(graph.points[edges], axis=1)[:, 0], axis=1)
     bad = int(random.integers(-1, 3))
@@ -191,11 +192,11 @@ def consistent(random: np.random.Generator) -> QuizQuestion:
         right,
         why,
         {"lengths": lengths.tolist(), "h": h.tolist()},
-        one.scene,
+        one,
     )
 
 
-def _scene(random: np.random.Generator) -> HiddenScene:
+def _scene(random: np.random.Generator) -> Scene:
     scenes = hidden_scenes(int(random.integers(_POOLS)))
     return scenes[int(random.integers(len(scenes)))]
 

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from abi.arrays import FloatArray
+from abi.scene.scene import Scene
 from abi.teach.boxes import segment_meets
 from abi.teach.exercise import Counterexample, Exercise, Trial
-from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
+from abi.teach.hidden_scenes import boxes_of, graph_of, hidden_scenes
 from abi.teach.numbers import point, shown, text
 
 _NEAR = Fraction(1, 10**6)
@@ -25,11 +26,11 @@ def _trials(seed: int) -> tuple[Trial, ...]:
     return tuple(_trial(one, seed + k) for k, one in enumerate(hidden_scenes(seed)))
 
 
-def _trial(one: HiddenScene, seed: int) -> Trial:
+def _trial(one: Scene, seed: int) -> Trial:
     """Edges of the mesh, along axes and across, and segments that cut a box's corner."""
     random = np.random.default_rng(seed)
-    low, high = one.boxes[0]
-    mesh = one.graph.mesh
+    low, high = boxes_of(one)[0]
+    mesh = graph_of(one).mesh
     chosen = mesh.points[random.permutation(mesh.edges)[:_EDGES]]
     calls, facts = [], []
     for a, b in np.concatenate([chosen, _across_corners(random, np.array([low, high]))]).tolist():
@@ -37,7 +38,7 @@ def _trial(one: HiddenScene, seed: int) -> Trial:
         if all(_meets(a, b, low, high, grown) == meets for grown in (_NEAR, -_NEAR)):
             calls.append((a, b, low, high))
             facts.append(meets)
-    return Trial(one.scene, tuple(calls), {"meets": tuple(facts)})
+    return Trial(one, tuple(calls), {"meets": tuple(facts)})
 
 
 def _across_corners(random: np.random.Generator, box: FloatArray) -> FloatArray:

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from abi.scene.scene import Scene
 from abi.search.search import search
 from abi.teach.exercise import Counterexample, Exercise, Trial
-from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
+from abi.teach.hidden_scenes import graph_of, hidden_scenes
 from abi.teach.numbers import are_numbers, shown, text
 
 _ROUNDING = 1e-6
@@ -20,10 +21,10 @@ def _trials(seed: int) -> tuple[Trial, ...]:
     return tuple(_trial(one, seed + k) for k, one in enumerate(hidden_scenes(seed)))
 
 
-def _trial(one: HiddenScene, seed: int) -> Trial:
+def _trial(one: Scene, seed: int) -> Trial:
     """Points around the shoulder, the path as seen from the base, and two out of reach."""
     random = np.random.default_rng(seed)
-    path = search("dijkstra", one.graph, "length").points
+    path = search("dijkstra", graph_of(one), "length").points
     upper, fore = random.uniform(3.5, 7.0, 2).round(1).tolist()
     seen = np.stack([np.hypot(path[:, 0] - 3.0, path[:, 1] + 3.0), path[:, 2] - 3.0], axis=1)
     angle = random.uniform(-np.pi, np.pi, _CALLS)
@@ -37,7 +38,7 @@ def _trial(one: HiddenScene, seed: int) -> Trial:
         gap = min(abs(math.hypot(r, z) - upper - fore), abs(math.hypot(r, z) - abs(upper - fore)))
         if gap > 1e-3:  # at the very limit rounding decides
             calls.append((r, z, upper, fore))
-    return Trial(one.scene, tuple(calls))
+    return Trial(one, tuple(calls))
 
 
 def _judge(trial: Trial, values: list[Any]) -> Counterexample | None:

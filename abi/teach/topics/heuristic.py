@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from abi.scene.scene import Scene
 from abi.search.graph import Graph
+from abi.search.search import search
 from abi.teach.exercise import Counterexample, Exercise, Trial
-from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
+from abi.teach.hidden_scenes import graph_of, hidden_scenes
 from abi.teach.numbers import is_number, point, shown, text
 
 _ROUNDING = 1e-9
@@ -20,20 +22,19 @@ def _trials(seed: int) -> tuple[Trial, ...]:
     return tuple(_trial(one, telling=one is scenes[0]) for one in scenes)
 
 
-def _trial(one: HiddenScene, telling: bool) -> Trial:
+def _trial(one: Scene, telling: bool) -> Trial:
     """A call for each node that has an edge, the goal among them.
 
     Args:
         one: the scene.
         telling: whether a useful heuristic is sure to spare nodes in it.
     """
-    graph = one.graph
+    graph = graph_of(one)
     nodes = np.flatnonzero(np.diff(graph.indptr)).tolist()
     goal = graph.points[graph.goal].tolist()
     calls = tuple((place, goal) for place in graph.points[nodes].tolist())
-    return Trial(
-        one.scene, calls, {"graph": graph, "nodes": nodes, "dijkstra": one.expanded * telling}
-    )
+    expanded = search("dijkstra", graph, "length").expanded if telling else 0
+    return Trial(one, calls, {"graph": graph, "nodes": nodes, "dijkstra": expanded})
 
 
 def _judge(trial: Trial, values: list[Any]) -> Counterexample | None:

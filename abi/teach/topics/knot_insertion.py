@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from abi.arrays import FloatArray
+from abi.scene.scene import Scene
 from abi.search.search import search
 from abi.teach.exercise import Counterexample, Exercise, Trial
-from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
+from abi.teach.hidden_scenes import graph_of, hidden_scenes
 from abi.teach.numbers import are_points, point, shown, text
 
 if TYPE_CHECKING:
@@ -25,10 +26,10 @@ def _trials(seed: int) -> tuple[Trial, ...]:
     return tuple(_trial(one, seed + k) for k, one in enumerate(hidden_scenes(seed)))
 
 
-def _trial(one: HiddenScene, seed: int) -> Trial:
+def _trial(one: Scene, seed: int) -> Trial:
     """Clamped splines whose control points are a path's corners, and places for a knot."""
     random = np.random.default_rng(seed)
-    points = search("dijkstra", one.graph, "length").points
+    points = search("dijkstra", graph_of(one), "length").points
     while len(points) < _FEWEST_HOPS:
         points = np.insert(points, 1, points[:2].mean(axis=0), axis=0)
     calls = []
@@ -45,7 +46,7 @@ def _trial(one: HiddenScene, seed: int) -> Trial:
         if number == _CALLS - 1 and len(inner):
             place = float(inner[len(inner) // 2])  # once more where a knot is already
         calls.append((points.tolist(), knots.tolist(), degree, place))
-    return Trial(one.scene, tuple(calls))
+    return Trial(one, tuple(calls))
 
 
 def _judge(trial: Trial, values: list[Any]) -> Counterexample | None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from abi.search.graph import Graph
 from abi.teach.exercise import Counterexample, Exercise, Trial
-from abi.teach.hidden_scenes import hidden_scenes
+from abi.teach.hidden_scenes import graph_of, hidden_scenes, rows_of
 from abi.teach.numbers import point, text
 
 _TIE = 1e-9
@@ -18,7 +18,8 @@ _TIE = 1e-9
 
 def _trials(seed: int) -> tuple[Trial, ...]:
     return tuple(
-        Trial(one.scene, ((one.rows(),),), {"graph": one.graph}) for one in hidden_scenes(seed)
+        Trial(one, ((rows_of(graph_of(one)),),), {"graph": graph_of(one)})
+        for one in hidden_scenes(seed)
     )
 
 

@@ -6,10 +6,11 @@ import itertools
 import math
 from typing import Any
 
+from abi.scene.scene import Scene
 from abi.search.search import search
 from abi.teach.boxes import segment_meets_any
 from abi.teach.exercise import Counterexample, Exercise, Trial
-from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
+from abi.teach.hidden_scenes import boxes_of, graph_of, hidden_scenes
 from abi.teach.numbers import are_points, point, shown, text
 
 _ROUNDING = 1e-9
@@ -21,10 +22,10 @@ def _trials(seed: int) -> tuple[Trial, ...]:
     return tuple(map(_trial, hidden_scenes(seed)))
 
 
-def _trial(one: HiddenScene) -> Trial:
+def _trial(one: Scene) -> Trial:
     """The path with the fewest edges, which leaves much to gain, among the boxes themselves."""
-    path = search("dijkstra", one.graph, "hops").points.tolist()
-    return Trial(one.scene, ((path, list(one.boxes)),))
+    path = search("dijkstra", graph_of(one), "hops").points.tolist()
+    return Trial(one, ((path, list(boxes_of(one))),))
 
 
 def _judge(trial: Trial, values: list[Any]) -> Counterexample | None:

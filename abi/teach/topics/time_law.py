@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from abi.scene.scene import Scene
 from abi.search.search import search
 from abi.teach.exercise import Counterexample, Exercise, Trial
-from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
+from abi.teach.hidden_scenes import graph_of, hidden_scenes
 from abi.teach.numbers import are_numbers, point, shown, text
 
 _ROUNDING = 1e-6
@@ -20,17 +21,17 @@ def _trials(seed: int) -> tuple[Trial, ...]:
     return tuple(_trial(one, seed + k) for k, one in enumerate(hidden_scenes(seed)))
 
 
-def _trial(one: HiddenScene, seed: int) -> Trial:
+def _trial(one: Scene, seed: int) -> Trial:
     """The path's length at several limits; half of the motions are too short to cruise."""
     random = np.random.default_rng(seed)
-    length = search("dijkstra", one.graph, "length").length
+    length = search("dijkstra", graph_of(one), "length").length
     calls = []
     for number in range(_CALLS):
         up, down = random.uniform(1.0, 9.0, 2).round(1).tolist()
         top = math.sqrt(2 * length * up * down / (up + down))  # the speed where it cannot cruise
         share = random.uniform(0.2, 0.9) if number % 2 else random.uniform(1.1, 2.0)
         calls.append((round(length, 3), round(top * share, 2), up, down))
-    return Trial(one.scene, tuple(calls))
+    return Trial(one, tuple(calls))
 
 
 def _judge(trial: Trial, values: list[Any]) -> Counterexample | None:

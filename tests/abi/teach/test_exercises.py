@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 
 import abi.teach
+from abi.search.search import search
 from abi.teach.boxes import segment_meets
 from abi.teach.exercise import Exercise, Trial
-from abi.teach.hidden_scenes import SCENES, hidden_scenes
+from abi.teach.hidden_scenes import SCENES, graph_of, hidden_scenes
 from abi.teach.student_main import answers_of
 from abi.teach.student_process import Answers, job_of, read
 from abi.teach.topics.priority import expanded_by_a_star, first_fault
@@ -72,7 +73,7 @@ def test_whole_numbers_beyond_all_floats_are_no_answers(one: Exercise) -> None:
 
 
 def test_a_search_that_stops_before_the_goal_is_no_right_one() -> None:
-    graph = hidden_scenes(SEED)[0].graph
+    graph = graph_of(hidden_scenes(SEED)[0])
     order = list(expanded_by_a_star(graph))
     assert first_fault(graph, order) is None
     for steps in (0, 1, len(order) - 1):
@@ -110,25 +111,21 @@ def test_a_wrong_search_parts_from_the_right_one_at_its_last_step() -> None:
     assert case is not None
     assert case.steps[: case.parting] == case.right_steps[: case.parting]
     assert len(case.steps) == case.parting + 1
-    assert case.right_steps[-1] == hidden_scenes(SEED)[0].graph.goal
+    assert case.right_steps[-1] == graph_of(hidden_scenes(SEED)[0]).goal
 
 
 def test_the_right_search_is_a_shortest_path_by_networkx() -> None:
-    for one in hidden_scenes(SEED):
-        graph = one.graph.to_networkx()
-        order = expanded_by_a_star(one.graph)
-        shortest = networkx.dijkstra_path_length(
-            graph, one.graph.start, one.graph.goal, weight="length"
-        )
-        away = networkx.single_source_dijkstra_path_length(graph, one.graph.start, weight="length")
-        straight = {
-            node: math.dist(one.graph.points[node], one.graph.points[one.graph.goal])
-            for node in graph
-        }
+    for scene in hidden_scenes(SEED):
+        own = graph_of(scene)
+        graph, points = own.to_networkx(), own.points
+        order = expanded_by_a_star(own)
+        shortest = networkx.dijkstra_path_length(graph, own.start, own.goal, weight="length")
+        away = networkx.single_source_dijkstra_path_length(graph, own.start, weight="length")
+        straight = {node: math.dist(points[node], points[own.goal]) for node in graph}
         must = {node for node in away if away[node] + straight[node] < shortest - 1e-9}
         may = {node for node in away if away[node] + straight[node] < shortest + 1e-9}
         assert must <= set(order) <= may
-        assert one.expanded >= len(order)
+        assert search("dijkstra", own, "length").expanded >= len(order)
 
 
 def test_a_segment_meets_a_box_where_it_has_a_point_of_it() -> None:
