@@ -24,6 +24,7 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.progress import CancelledError
 from abi.robot.urdf.robot import Robot
 from app.process.available_memory import memory_in_all
+from app.reading import running_reader
 from app.reading.reading import ReadingRequest, ReadingResult
 from app.reading.running_reader import AT_ONCE, RunningReader, reading_memory
 
@@ -181,7 +182,8 @@ class Reader:
         with self._lock:
             idle, self._idle = self._idle, []
         for process in idle:
-            process.close()
+            process.kill()  # which has nothing to finish, and may be loading still
+            running_reader.closed(process)
 
     @contextmanager
     def _place(self, request: ReadingRequest, stopped: Stopped, delayed: Delayed) -> Iterator[None]:
@@ -224,7 +226,7 @@ class Reader:
         raise CancelledError
 
     def _start(self) -> RunningReader:
-        return RunningReader(self.memory, self.open_files, self.seconds)
+        return running_reader.started(self.memory, self.open_files, self.seconds)
 
     def _answer(
         self, request: ReadingRequest, stopped: Stopped
@@ -237,12 +239,12 @@ class Reader:
         begin = time.monotonic()
         watch.start()
         try:
-            answer = process.read(request)
+            answer = running_reader.answer_of(process, request)
         finally:
             done.set()
             watch.join()
         if answer is None:
-            code = process.close()
+            code = running_reader.closed(process)
             if not stopped.is_set():
                 self.lost.append(code)
         else:

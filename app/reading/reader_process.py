@@ -11,13 +11,13 @@ import os
 import sys
 import time
 from pathlib import Path
-from typing import BinaryIO
+from typing import IO
 
 LENGTH = 8
 READY = b"ready"
 
 
-def receive(stream: BinaryIO) -> bytes | None:
+def receive(stream: IO[bytes]) -> bytes | None:
     """Receive the next message; None at the end of the stream."""
     head = stream.read(LENGTH)
     if len(head) < LENGTH:
@@ -27,7 +27,7 @@ def receive(stream: BinaryIO) -> bytes | None:
     return content if len(content) == size else None
 
 
-def send(stream: BinaryIO, content: bytes) -> None:
+def send(stream: IO[bytes], content: bytes) -> None:
     """Write a message."""
     stream.write(len(content).to_bytes(LENGTH, "little"))
     stream.write(content)

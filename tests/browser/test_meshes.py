@@ -13,6 +13,7 @@ import abi
 from abi.obstacles.mesh_shape import MeshShape
 from app.drawing import mesh_picture
 from app.panels.obstacles import mesh_note
+from app.reading import running_reader
 from app.reading.reading import ReadingRequest, ReadingResult
 from app.reading.running_reader import RunningReader
 from app.tab.session import Session
@@ -142,14 +143,14 @@ def test_a_mesh_works_as_an_obstacle_while_it_is_dragged(
     assert page.complaints() == []
 
 
-_READ = RunningReader.read
+_READ = running_reader.answer_of
 
 
 def _read_in_a_process_that_stands_still(
-    reader: RunningReader, job: ReadingRequest
+    process: RunningReader, job: ReadingRequest
 ) -> ReadingResult | None:
-    os.kill(reader._process.pid, signal.SIGSTOP)
-    return _READ(reader, job)
+    os.kill(process.pid, signal.SIGSTOP)
+    return _READ(process, job)
 
 
 @pytest.mark.slow
@@ -167,7 +168,7 @@ def test_a_large_mesh_can_be_stopped_and_is_drawn_with_fewer_triangles(
     mesh = meshes.bumpy(5)
     content = meshes.stl(mesh)
     with pytest.MonkeyPatch.context() as reading:
-        reading.setattr(RunningReader, "read", _read_in_a_process_that_stands_still)
+        reading.setattr(running_reader, "answer_of", _read_in_a_process_that_stands_still)
         page.upload(ADD, "first.stl", content)
         page.reads("reading and repairing")
         page.click("Stop reading")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import json
 import re
 import resource
@@ -27,7 +28,7 @@ from abi.progress import CancelledError
 from abi.robot.urdf import robot_files
 from abi.robot.urdf.robot_files import robot_from_archive
 from abi.scene.scene import Scene
-from app.reading import messages
+from app.reading import messages, running_reader
 from app.reading import reader as module
 from app.reading.reader import Reader
 from app.reading.reading import ReadingRequest, ReadingResult
@@ -107,7 +108,7 @@ def test_a_process_that_was_started_before_reads_the_first_file() -> None:
     reader.warm()  # one that is not wanted after all is not waited for
     (process,) = reader._idle
     reader.close()
-    assert process._process.returncode == -signal.SIGKILL
+    assert process.returncode == -signal.SIGKILL
     assert reader.lost == []
 
 
@@ -288,9 +289,6 @@ class Held:
     def kill(self) -> None:
         LET_GO.update(BEGUN)
 
-    def close(self) -> int:
-        return 0
-
 
 BEGUN: list[str] = []
 LET_GO: set[str] = set()
@@ -299,11 +297,15 @@ LET_GO: set[str] = set()
 @pytest.fixture
 def held(monkeypatch: pytest.MonkeyPatch) -> Iterator[Reader]:
     """A reader whose files are read until their names are let go, or the test ends."""
-    monkeypatch.setattr(module, "RunningReader", Held)
+    monkeypatch.setattr(running_reader, "started", Held)
+    monkeypatch.setattr(running_reader, "answer_of", Held.read)
+    monkeypatch.setattr(running_reader, "closed", lambda _: 0)
     monkeypatch.setattr(module, "_LONG", 0.05)
     BEGUN.clear()
     LET_GO.clear()
-    yield Reader()
+    reader = Reader()
+    atexit.unregister(reader.close)  # it has no process to end
+    yield reader
     LET_GO.update(BEGUN, "abcd", (f"{owner}{k}" for owner in "ab" for k in range(9)))
 
 
@@ -384,7 +386,7 @@ def test_readers_leave_half_of_the_memory_to_the_server() -> None:
 def test_the_reader_is_the_first_to_end_where_memory_runs_out(reader: Reader) -> None:
     reader.mesh(file_of(".stl"), "a.stl")
     (process,) = reader._idle
-    score = Path(f"/proc/{process._process.pid}/oom_score_adj").read_text()
+    score = Path(f"/proc/{process.pid}/oom_score_adj").read_text()
     assert int(score) == 1000
 
 
@@ -392,4 +394,4 @@ def test_the_process_can_open_and_write_no_file(reader: Reader) -> None:
     reader.mesh(file_of(".stl"), "a.stl")
     (process,) = reader._idle
     for limit in (resource.RLIMIT_NOFILE, resource.RLIMIT_FSIZE):
-        assert resource.prlimit(process._process.pid, limit) == (0, 0)
+        assert resource.prlimit(process.pid, limit) == (0, 0)
