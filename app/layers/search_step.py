@@ -77,7 +77,7 @@ def _draw_nodes(
     points, n = state.trace.arcs.points, len(state.trace.arcs.points)
     size = _size(state)
     current, clicked = (
-        np.array([node], np.int32)[: node >= 0] for node in (state.current, theatre.answer.node)
+        np.array([node], np.int32)[: node >= 0] for node in (state.current, theatre.clicked)
     )
     waiting = few(state.open, n)
     shown: dict[str, tuple[style.Colour | ByteArray, float, IntArray]] = {

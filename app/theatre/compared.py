@@ -26,7 +26,7 @@ def lettered(theatre: Theatre) -> dict[str, int]:
     """
     if not theatre.asking or theatre.voted:
         return {}
-    answered = theatre.answer.node if theatre.open_question else -1
+    answered = theatre.clicked if theatre.open_question else -1
     nodes = compared(theatre.state, answered, theatre.kept).tolist()
     places = dict.fromkeys(LETTERS, -1)
     places.update(zip(LETTERS, (k if k in nodes else -1 for k in theatre.kept), strict=False))

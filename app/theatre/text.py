@@ -32,7 +32,7 @@ def describe(theatre: Theatre, scene: Scene) -> str:
         text += f" {tied}"
     named = [
         (f"{_disc(style.MARK)}visited last", state.current, ""),
-        (f"{_disc(style.POINT)}clicked", theatre.answer.node, ""),
+        (f"{_disc(style.POINT)}clicked", theatre.clicked, ""),
     ]
     if not theatre.asking and not state.done and trace.queue != "rounds":
         queue = state.queue(len(_PLACES)).tolist()
@@ -53,8 +53,8 @@ def describe(theatre: Theatre, scene: Scene) -> str:
         text += table((f"node at [{scene.unit}]", *numbers), rows)
     if theatre.asking and not state.done:
         text += style.paragraph(f"{question(theatre)} {_rule(theatre)}")
-    if theatre.answer.text:
-        text += style.paragraph(theatre.answer.text)
+    if theatre.said:
+        text += style.paragraph(theatre.said)
     return text
 
 
@@ -111,7 +111,7 @@ def node_row(theatre: Theatre, node: int) -> tuple[str, str, str]:
     """g, h, and what orders those that wait, as text, unless it is asked."""
     state = theatre.state
     g, h, f = labels(state, node)
-    if asks_for_sums(theatre) and node in state.open and node != theatre.answer.node:
+    if asks_for_sums(theatre) and node in state.open and node != theatre.clicked:
         return g, h, "?"
     return g, h, f if state.trace.queue != "first_in" else order_label(state, node)
 

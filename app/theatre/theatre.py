@@ -19,21 +19,6 @@ _NEAR = 0.04
 """Angle, [rad], from a node within which a click means it."""
 
 
-@dataclass(frozen=True)
-class JudgedGuess:
-    """A node that was clicked, and what is said of it.
-
-    Attributes:
-        node: its id; -1 for none.
-        text: HTML; empty for nothing.
-        right: whether it was a right guess, or no guess.
-    """
-
-    node: int = -1
-    text: str = ""
-    right: bool = True
-
-
 @dataclass(frozen=True, eq=False)
 class Theatre:
     """Picture of one search, of three that race, or of a student's beside the right one.
@@ -44,7 +29,9 @@ class Theatre:
         race: (name, state) of each search of a race; empty without one.
         asking: whether the next node is to be guessed.
         voted: whether a class votes on it, so that nothing may tell it.
-        answer: of the click before.
+        clicked: node that was clicked before; -1 for none.
+        said: of it, as HTML; empty for nothing.
+        is_wrong: whether it was a wrong guess.
         widget: name by which the page sets the widget that takes a letter for an answer.
         kept: nodes that had a letter before, in the order of the letters; -1 for none.
     """
@@ -54,14 +41,16 @@ class Theatre:
     race: tuple[tuple[str, SearchState], ...] = ()
     asking: bool = False
     voted: bool = False
-    answer: JudgedGuess = JudgedGuess()
+    clicked: int = -1
+    said: str = ""
+    is_wrong: bool = False
     widget: str = ""
     kept: tuple[int, ...] = ()
 
     @property
     def open_question(self) -> bool:
         """Whether nothing may tell the next node: it is asked, and no wrong one was chosen."""
-        return self.asking and self.answer.right and not self.state.done
+        return self.asking and not self.is_wrong and not self.state.done
 
     @property
     def ringed(self) -> IntArray:

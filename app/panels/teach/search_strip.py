@@ -30,8 +30,7 @@ def search_strip(panel: TheatrePanel, frame: Frame) -> str:
     else:
         steps, step, title = state.trace.steps, state.step, COMPARED[theatre.name].label
     text = f"{title}: {format_count(step)} of {format_count(steps)}"
-    said = theatre.answer.text
-    answer = f'<div class="abi-card">{said}</div>' if said else ""
+    answer = f'<div class="abi-card">{theatre.said}</div>' if theatre.said else ""
     return (
         f'{answer}{meaning}<div class="abi-card abi-buttons">'
         f"{button(panel.back, '◀', hint='One step back (B)')}<b>{text}</b>"

@@ -24,7 +24,7 @@ from app.state.frame import Frame
 from app.teach.lesson import SearchCue
 from app.theatre.compared import LETTERS, lettered
 from app.theatre.searches import EDGES, are_searched_alike, followed, problem_with, trace
-from app.theatre.theatre import JudgedGuess, Theatre, judge, node_at, one_way_search, race_of, where
+from app.theatre.theatre import Theatre, judge, node_at, one_way_search, race_of, where
 from app.ui import notices, page, style
 
 QUIZ = "Which node is next?"
@@ -107,7 +107,7 @@ class TheatrePanel:
         self._click: tuple[FloatArray, FloatArray] | None = None
         self._advanced, self._position, self._written = time.monotonic(), 0.0, 0
         self._searched: Plan | None = None  # with the graph whose searches are shown
-        self._answer = JudgedGuess()
+        self._say()
         self._own: tuple[SearchTrace, SearchTrace] | None = None
         self._last: Theatre | None = None
         self._seen: tuple[object, ...] = ()
@@ -168,7 +168,8 @@ class TheatrePanel:
 
     def set(self, **settings: Any) -> None:
         """Set widgets by name, as a lesson does: ``on``, ``algorithm``, ``step``, …"""
-        self._answer, self._own = JudgedGuess(), None  # of what was shown before
+        self._say()  # nothing of what was shown before
+        self._own = None
         for name, value in settings.items():
             if name == "step":
                 self._position = float(value)
@@ -194,7 +195,7 @@ class TheatrePanel:
             if frame.interactive or frame.plan.partial or frame.outdated:
                 return None
             self._searched, self._last = plan, None
-            self._answer = JudgedGuess()  # the node was one of another graph
+            self._say()  # the node was one of another graph
         plan = self._searched
         name, found = self._trace_of(plan, self.chosen)
         chosen = self._as_chosen(found)
@@ -219,7 +220,8 @@ class TheatrePanel:
 
     def _await(self, label: str) -> None:
         """While it is off: the search of stage 3, by its label, from its first step on."""
-        self._own, self._position, self._answer, self.playing = None, 0.0, JudgedGuess(), False
+        self._own, self._position, self.playing = None, 0.0, False
+        self._say()
         self._inputs.clear()
         self._written = 0
         edges = next(iter(EDGES))
@@ -293,7 +295,7 @@ class TheatrePanel:
         if self.voted:
             self._inputs.clear()
             self.playing = False
-            self._answer = JudgedGuess()  # which may have named the least that waits
+            self._say()  # what was said may have named the least that waits
         elif self.step.value != self._written:
             self._position, self.playing = float(self.step.value), False
         while self._inputs:
@@ -314,7 +316,7 @@ class TheatrePanel:
             self._take(trace, asking, node)
         step = int(self._position)
         if step != before and not clicked:
-            self._answer = JudgedGuess(self._answer.node)
+            self._say(self._clicked_node)
         if self.step.value != step:
             self.step.value = step
         self._written = step
@@ -341,7 +343,7 @@ class TheatrePanel:
 
     def _take(self, trace: SearchTrace, asking: bool, node: int) -> None:
         """Judge the node that was clicked, or look it up."""
-        self._answer = JudgedGuess(node)
+        self._say(node)
         if not asking or trace.queue == "rounds":
             return
         state = replay(trace, min(int(self._position), trace.steps))
@@ -351,8 +353,12 @@ class TheatrePanel:
             found = self._own[0] if self._own is not None and self._own[1] is trace else trace
             self._own = found, own
         word = "✓ <b>Right:</b>" if right else "✗ <b>Not this one:</b>"
-        self._answer = JudgedGuess(node, f"The node at {where(state, node)}. {word} {why}", right)
+        self._say(node, f"The node at {where(state, node)}. {word} {why}", not right)
         self._position += right
+
+    def _say(self, node: int = -1, text: str = "", is_wrong: bool = False) -> None:
+        """Mark a node that was clicked, and say something of it."""
+        self._clicked_node, self._said, self._is_wrong = node, text, is_wrong
 
     def _view(
         self, name: str, trace: SearchTrace, racing: tuple[tuple[str, SearchTrace], ...]
@@ -360,13 +366,14 @@ class TheatrePanel:
         step, last = self._written, self._last
         asking = (bool(self.ask.value) or self.voted) and not racing
         other = last is not None and last.name != name
-        if other or self._answer.node >= trace.sides * len(trace.arcs.points):
-            self._answer = JudgedGuess()  # of another search; one from both ends has more nodes
+        if other or self._clicked_node >= trace.sides * len(trace.arcs.points):
+            self._say()  # it was of another search; one from both ends has more nodes
         if (
             last is not None
             and last.state.trace is trace
             and last.state.step == min(step, trace.steps)
-            and (last.answer, last.asking, last.voted) == (self._answer, asking, self.voted)
+            and (last.clicked, last.said) == (self._clicked_node, self._said)
+            and (last.is_wrong, last.asking, last.voted) == (self._is_wrong, asking, self.voted)
             and tuple(state.trace for _, state in last.race) == tuple(one for _, one in racing)
             and all(state.step == min(step, state.trace.steps) for _, state in last.race)
         ):
@@ -377,7 +384,9 @@ class TheatrePanel:
             race=tuple((other, replay(one, min(step, one.steps))) for other, one in racing),
             asking=asking,
             voted=self.voted,
-            answer=self._answer,
+            clicked=self._clicked_node,
+            said=self._said,
+            is_wrong=self._is_wrong,
             widget=page.uuid(self._letter),
             kept=() if last is None or other else _letters(last),
         )

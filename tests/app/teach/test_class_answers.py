@@ -221,7 +221,7 @@ def test_the_next_node_of_a_lessons_search_is_voted_on_without_being_told() -> N
             until(lambda one=one: one.panels.theatre.step.value == 24 and one.resting)  # type: ignore[misc]
             theatre = one.frame.theatre
             assert theatre is not None
-            assert (theatre.state.step, theatre.ringed.size, theatre.answer.text) == (24, 0, "")
+            assert (theatre.state.step, theatre.ringed.size, theatre.said) == (24, 0, "")
             assert one.panels.lessons.progress.asks
 
         # a right node that nobody has hit is marked, too

@@ -25,7 +25,6 @@ from app.teach.lesson_file import load_lessons
 from app.theatre.compared import compared, lettered
 from app.theatre.text import describe, legend, node_row
 from app.theatre.theatre import (
-    JudgedGuess,
     Theatre,
     judge,
     labels,
@@ -126,8 +125,8 @@ def test_nothing_gives_the_next_node_away_while_it_is_asked(name: str, voted: bo
     rounds = state.trace.queue == "rounds"
     line = state.trace.queue == "first_in"
     for lesson in (False, True):
-        for answer in (JudgedGuess(), JudgedGuess(int(state.open[0]), "yes")):
-            asked = Theatre(name, state, asking=True, voted=voted, answer=answer)
+        for node, said in ((-1, ""), (int(state.open[0]), "yes")):
+            asked = Theatre(name, state, asking=True, voted=voted, clicked=node, said=said)
             assert asked.ringed.size == 0
             told = legend(asked, lesson)
             assert "abi-ring" not in told
@@ -139,8 +138,8 @@ def test_nothing_gives_the_next_node_away_while_it_is_asked(name: str, voted: bo
             assert numbers["formula"] is None
             assert rounds or "?" in node_row(asked, int(state.open[1])) or line
     following = state.following
-    wrong = JudgedGuess(int(state.closed[0]), "no", right=False)
-    known = Theatre(name, state, asking=True, answer=wrong)
+    wrong = int(state.closed[0])
+    known = Theatre(name, state, asking=True, clicked=wrong, said="no", is_wrong=True)
     if rounds:
         return
     assert following in known.ringed
@@ -218,7 +217,7 @@ def test_a_search_that_trusts_h_more_takes_its_own_of_several_and_says_which() -
             assert with_next(state, node) is None
             assert where(state, state.following) in judge(state, node)[1]
             after = replay(state.trace, step + 1)
-            asked = Theatre("greedy_best_first", after, asking=True, answer=JudgedGuess(node))
+            asked = Theatre("greedy_best_first", after, asking=True, clicked=node)
             assert node not in lettered(asked).values() or node == after.following
             told += 1
     assert told or len(state_of("greedy_best_first", 0).open) == 1
