@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
 from abi.arm_planning.motion.trajectory import ArmMotion
-from abi.arrays import FloatArray, read_only
+from abi.arrays import read_only
 from abi.errors import AbiError
 from abi.explain.arm_faults import arm_warning, limits_warning
 from abi.export.between_points import rows_warning
@@ -18,25 +18,6 @@ from abi.planner.plan import Plan
 
 _LONGEST = 2.0**31
 """Seconds that builtin_interfaces/msg/Duration holds, [s]."""
-
-
-@dataclass(frozen=True, eq=False)
-class JointTrajectory:
-    """Joint positions and their derivatives, from rest to rest.
-
-    Attributes:
-        names: names of the n joints.
-        time: increasing from 0, shape (m,), [s].
-        positions: shape (m, n), [rad], of sliding joints [m].
-        velocities: shape (m, n), [rad/s] or [m/s]; zero at both ends.
-        accelerations: shape (m, n), [rad/s²] or [m/s²].
-    """
-
-    names: tuple[str, ...]
-    time: FloatArray
-    positions: FloatArray
-    velocities: FloatArray
-    accelerations: FloatArray
 
 
 def motion_of(plan: Plan) -> ArmMotion:
@@ -103,8 +84,8 @@ def holding(plan: Plan) -> list[str]:
     return told
 
 
-def joint_trajectory(plan: Plan) -> JointTrajectory:
-    """Joints of a plan's motion, with derivatives by central differences of its samples.
+def joint_trajectory(plan: Plan) -> ArmMotion:
+    """A plan's motion with its sliding joints in [m], and their rates in [m/s] and [m/s²].
 
     Like controllers, the plan begins and ends at rest: the drives hold before and after the
     motion.
@@ -130,10 +111,10 @@ def joint_trajectory(plan: Plan) -> JointTrajectory:
         )
     metres = METRES[plan.scene.unit]
     scale = np.array([metres if slides else 1.0 for slides in motion.slides])
-    return JointTrajectory(
-        names=motion.joints,
-        time=motion.time,
+    rates = motion.joint_velocities * scale, motion.joint_accelerations * scale
+    return replace(
+        motion,
         positions=read_only(motion.positions * scale),
-        velocities=read_only(motion.joint_velocities * scale),
-        accelerations=read_only(motion.joint_accelerations * scale),
+        peak_joint_speed=read_only(motion.peak_joint_speed * scale),
+        rates=(read_only(rates[0]), read_only(rates[1])),
     )

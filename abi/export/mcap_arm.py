@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray
 from abi.export import mcap_entities
-from abi.export.joint_trajectory import JointTrajectory
 from abi.export.mcap_entities import Colour, Part
 from abi.obstacles.pose import Vec3
 from abi.robot.kinematics.chain import Chain
@@ -36,13 +36,13 @@ def scene_frame(chain: Chain) -> str:
     return name
 
 
-def joint_states(trajectory: JointTrajectory, legs: Sequence[tuple[Chain, int]]) -> list[Part]:
+def joint_states(trajectory: ArmMotion, legs: Sequence[tuple[Chain, int]]) -> list[Part]:
     """Names, positions and velocities of a robot's joints at each sample, as messages have them.
 
     So whoever poses the robot by them has its gripper where the chain of each leg holds it.
 
     Args:
-        trajectory: of the joints that move.
+        trajectory: of the joints that move, with those that slide in [m].
         legs: the chain of each leg, and the number of the sample that ends it.
     """
     own = {one.name for one in legs[0][0].robot.joints if one.mimic is None}
@@ -52,9 +52,9 @@ def joint_states(trajectory: JointTrajectory, legs: Sequence[tuple[Chain, int]])
         held = [float(chain.held[name]) for name in names]
         found += [
             {
-                "name": [*trajectory.names, *names],
+                "name": [*trajectory.joints, *names],
                 "position": [*trajectory.positions[sample].tolist(), *held],
-                "velocity": [*trajectory.velocities[sample].tolist(), *still],
+                "velocity": [*trajectory.joint_velocities[sample].tolist(), *still],
                 "effort": [],
             }
             for sample in range(len(found), last + 1)

@@ -73,14 +73,14 @@ def trajectory_message(plan: Plan) -> dict[str, Any]:
     is_straight = is_proven(plan) and not polynomials_are_clear(plan)
     rows = zip(
         trajectory.positions.tolist(),
-        trajectory.velocities.tolist(),
-        trajectory.accelerations.tolist(),
+        trajectory.joint_velocities.tolist(),
+        trajectory.joint_accelerations.tolist(),
         trajectory.time.tolist(),
         strict=True,
     )
     return {
         "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": plan.arm.root},
-        "joint_names": list(trajectory.names),
+        "joint_names": list(trajectory.joints),
         "points": [
             {
                 "positions": positions,

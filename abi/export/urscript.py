@@ -42,7 +42,7 @@ def write(plan: Plan, name: str) -> bytes:
         AbiError: the arm is not one of Universal Robots, or cannot execute the motion.
     """
     trajectory = joint_trajectory(plan)
-    if trajectory.names != JOINTS:
+    if trajectory.joints != JOINTS:
         raise AbiError(
             "URScript is for the arms of Universal Robots, and this is another.",
             "Choose the UR5e in stage 6, or arm: {model: urdf, urdf: ur5e} in the scene.",

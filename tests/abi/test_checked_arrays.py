@@ -22,7 +22,6 @@ RESULTS = {
     *(
         "JointRates",
         "JointSearch",
-        "JointTrajectory",
         "LimitsKept",
         "Reason",
         "Repair",

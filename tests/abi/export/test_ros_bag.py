@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
 from abi.export.formats import FORMATS, export
-from abi.export.joint_trajectory import JointTrajectory, joint_trajectory
+from abi.export.joint_trajectory import joint_trajectory
 from abi.export.mcap_arm import joint_states, link_frames, scene_frame
 from abi.obstacles.pose import METRES, rotation
 from abi.planner.planner import plan
@@ -45,9 +46,9 @@ def test_both_readers_of_ros_bags_read_the_motion(tmp_path: Path) -> None:
             [one.position for one in messages["/joint_states"]], trajectory.positions
         )
         (whole,) = messages["/joint_trajectory"]
-        assert tuple(whole.joint_names) == trajectory.names
+        assert tuple(whole.joint_names) == trajectory.joints
         rates = [one.velocities for one in whole.points]
-        np.testing.assert_array_equal(rates, trajectory.velocities)
+        np.testing.assert_array_equal(rates, trajectory.joint_velocities)
         places = [one.pose.position for one in messages["/tool"]]
         tool = np.array([[one.x, one.y, one.z] for one in places]) / metre
         np.testing.assert_allclose(tool, planned.motion.tool, atol=1e-12)
@@ -70,7 +71,12 @@ def test_the_frames_and_joints_of_a_sequence_have_the_gripper_of_each_leg() -> N
     assert fingers <= {child for _, child in moving}
     assert not fingers & {child for _, child in link_frames(open_.chain, positions, legs[2:])[1]}
     names = open_.chain.names
-    trajectory = JointTrajectory(names, np.arange(7.0), positions, 0 * positions, 0 * positions)
+    motion = plan(load_scene("paper")).motion
+    assert motion is not None
+    still_rates = 0 * positions, 0 * positions
+    trajectory = replace(
+        motion, joints=names, time=np.arange(7.0), positions=positions, rates=still_rates
+    )
     states = joint_states(trajectory, legs)
     for sample in range(7):
         world = {scene_frame(open_.chain): np.eye(4)}
