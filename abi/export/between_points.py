@@ -45,7 +45,7 @@ def polynomials_are_clear(plan: Plan) -> bool:
     """
     for leg, moves in _legs(plan):
         passed = joint_limits(moves).passed
-        if any(one.quantity == "position" for one in passed) or _beyond(leg, "speed", passed):
+        if _leave_limits(leg, passed):
             return False
         if (paper_arm := leg.paper_arm) is not None:
             clearance, away = leg.arm_clearance, _departure(paper_arm, moves)
@@ -70,6 +70,8 @@ def growth_warning(plan: Plan) -> str:
     found = []
     for leg, moves in _legs(plan):
         passed = joint_limits(moves, leg.scene.motion.joint_acceleration).passed
+        if _leave_limits(leg, passed):
+            return ""  # the points have positions alone
         found += _beyond(leg, "acceleration", passed)
     if not found:
         return ""
@@ -79,6 +81,11 @@ def growth_warning(plan: Plan) -> str:
         f"{limit_sentence(worst, motion, 'm')} With motion.law: jerk_limited accelerations do not "
         "jump."
     )
+
+
+def _leave_limits(leg: Plan, passed: Sequence[Violation]) -> bool:
+    """Check whether polynomials pass a limit for which straight ways are better."""
+    return any(one.quantity == "position" for one in passed) or bool(_beyond(leg, "speed", passed))
 
 
 def _beyond(leg: Plan, quantity: Quantity, passed: Sequence[Violation]) -> list[Violation]:

@@ -1,7 +1,8 @@
 """The obstacles as a MoveIt scene file, which RViz imports under Scene Objects.
 
 The text form of ``planning_scene::PlanningScene::saveGeometryToStream`` of MoveIt 1 and 2 with an
-object's own pose. Lengths in [m], quaternions x y z w, in the world's frame.
+object's own pose, which is that of the scene in the frame of the robot's root: the file names no
+frame, and MoveIt takes the root of the robot's URDF. Lengths in [m], quaternions x y z w.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import numpy as np
 
 from abi.errors import AbiError
 from abi.export.solids import Solid, solids
-from abi.obstacles.pose import UNTURNED, Quaternion, Vec3
+from abi.obstacles.pose import METRES, Quaternion, Vec3, rotation
 from abi.planner.plan import Plan
 
 _NO_COLOUR = "0 0 0 0"
@@ -27,9 +28,13 @@ def write(plan: Plan, name: str) -> bytes:
     scene = plan.scene
     if not scene.obstacles:
         raise AbiError("The scene has no obstacles, and MoveIt reads no scene without.")
+    w, x, y, z = scene.arm.base_wxyz
+    from_root = rotation(scene.arm.base_wxyz).T
+    origin = -METRES[scene.unit] * from_root @ np.array(scene.arm.base) + 0.0  # no -0.0
+    place = _pose((origin[0], origin[1], origin[2]), (w, 0.0 - x, 0.0 - y, 0.0 - z))
     lines = ["abi"]
     for number, parts in enumerate(solids(scene.obstacles, scene.unit)):
-        lines += [f"* obstacle_{number + 1}", *_pose((0.0, 0.0, 0.0), UNTURNED)]
+        lines += [f"* obstacle_{number + 1}", *place]
         lines.append(str(len(parts)))
         for solid in parts:
             lines += [*_shape(solid), *_pose(solid.position, solid.wxyz), _NO_COLOUR]

@@ -189,14 +189,18 @@ def read_moveit(text: str) -> dict[str, list[tuple[str, list[float], list[float]
     found: dict[str, list[tuple[str, list[float], list[float]]]] = {}
     while (marker := next(words)) == "*":
         shapes = found.setdefault(next(words), [])
-        assert [float(next(words)) for _ in range(7)] == [0, 0, 0, 0, 0, 0, 1]
+        *place, x, y, z, w = (float(next(words)) for _ in range(7))
+        frame = scipy.spatial.transform.Rotation.from_quat((x, y, z, w))
         for _ in range(int(next(words))):
             kind = next(words)
             counts = {"box": 3, "sphere": 1, "cylinder": 2, "mesh": 2}
             numbers = [float(next(words)) for _ in range(counts[kind])]
             if kind == "mesh":
                 numbers += [float(next(words)) for _ in range(3 * int(sum(numbers)))]
-            shapes.append((kind, numbers, [float(next(words)) for _ in range(7)]))
+            pose = [float(next(words)) for _ in range(7)]
+            turn = frame * scipy.spatial.transform.Rotation.from_quat(pose[3:])
+            there = frame.apply(pose[:3]) + place
+            shapes.append((kind, numbers, [*there.tolist(), *turn.as_quat().tolist()]))
             assert [next(words) for _ in range(4)] == ["0"] * 4
         assert next(words) == "0"
     assert marker == "."
@@ -204,7 +208,7 @@ def read_moveit(text: str) -> dict[str, list[tuple[str, list[float], list[float]
 
 
 def test_moveit_reads_every_obstacle_in_metres(sculpture: Plan) -> None:
-    forest = Plan(load_scene("forest"))
+    forest = Plan(load_scene("forest").replace(arm={"base": [0, 0, 0]}))
     objects = read_moveit(content(forest, "moveit").decode())
 
     assert list(objects) == [f"obstacle_{n}" for n in range(1, 7)]
@@ -226,6 +230,18 @@ def test_moveit_reads_every_obstacle_in_metres(sculpture: Plan) -> None:
     (mesh,) = sculpture.scene.obstacles
     assert kind == "mesh"
     np.testing.assert_array_equal(corners[faces], mesh.triangles() * METRES["cm"])
+
+
+def test_moveit_has_obstacles_where_they_are_for_the_robots_root() -> None:
+    stands = {"model": "urdf", "urdf": "ur5e", "base": [3, -30, 2], "base_wxyz": [0.6, 0, 0, 0.8]}
+    scene = load_scene("forest").replace(arm=stands, start=[0, 0, 0], goal=[0, 0, 1])
+    here = np.array([shape.position for shape in scene.obstacles])
+    objects = read_moveit(content(Plan(scene), "moveit").decode())
+    found = np.array(
+        [np.mean([pose[:3] for _, _, pose in one], axis=0) for one in objects.values()]
+    )
+    turned = scipy.spatial.transform.Rotation.from_quat((0, 0, 0.8, 0.6))
+    np.testing.assert_allclose(turned.apply(100 * found) + stands["base"], here, atol=1e-9)
 
 
 def test_a_scene_without_obstacles_is_no_moveit_scene() -> None:
