@@ -20,7 +20,7 @@ from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.joint_search.held_direction import HeldDirection
 from abi.arm_planning.joint_search.joint_motion import passage_of, proven_motion
 from abi.arm_planning.joint_search.joint_space import JointSpace
-from abi.arm_planning.joint_search.joint_spline import JointSpline, spline_near
+from abi.arm_planning.joint_search.joint_spline import JointSpline, sampled, spline_near
 from abi.arm_planning.joint_search.search_joints import (
     JointSearch,
     JointSearchEffort,
@@ -153,7 +153,7 @@ class JointSpaceMotions:
         """
         if hasty and self._last is not None and np.array_equal(self._last[0], path):
             _, spline = self._last
-            if self._refutation(space, spline.sampled) is None:
+            if self._refutation(space, sampled(spline)) is None:
                 return self._passage_of(spline, space.arm)
         found = spline_near(space, path)
         if found is None:

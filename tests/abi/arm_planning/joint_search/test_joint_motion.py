@@ -7,7 +7,7 @@ import numpy as np
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.joint_search.joint_motion import passage_of, proven_motion, slow_rates
 from abi.arm_planning.joint_search.joint_space import JointSpace
-from abi.arm_planning.joint_search.joint_spline import JointSpline, spline_near
+from abi.arm_planning.joint_search.joint_spline import joint_spline, spline_near
 from abi.arm_planning.joint_search.search_joints import JointSearchEffort, search_joints
 from abi.arm_planning.motion_law import motion_law
 from abi.arm_planning.world.arm_worlds import chain_world
@@ -53,7 +53,7 @@ def test_a_motion_whose_samples_are_too_far_apart_to_be_proven_gets_more() -> No
 
 def test_a_slow_part_takes_more_of_the_way_and_is_passed_by_the_same_joints() -> None:
     arm = some_arm("ur5e")
-    spline = JointSpline(np.random.default_rng(3).uniform(-1, 1, (7, 6)))
+    spline = joint_spline(np.random.default_rng(3).uniform(-1, 1, (7, 6)))
     whole = passage_of(spline, arm)
     slow = (0.3, 0.6), 4.0
     rates = slow_rates(np.linspace(0, 1, 1001), *slow)
