@@ -278,8 +278,9 @@ class _File:
             raise ValueError("a GLB file with whole numbers for its lengths")
         end = inner + stride * (count - 1) + row
         size = buffer.get("byteLength")
-        size = min(size, len(self._binary)) if type(size) is int else 0
-        if not row <= stride <= 252 or end > length or outer + length > size:
+        if type(size) is not int or not outer + length <= size <= len(self._binary):
+            raise ValueError("a whole GLB file, its numbers go on past its end")
+        if not row <= stride <= 252 or end > length:
             raise ValueError("a whole GLB file, its numbers go on past its end")
         values: np.ndarray[Any, Any] = np.ndarray(
             (count, columns), dtype, self._binary, outer + inner, (stride, dtype.itemsize)

@@ -121,6 +121,7 @@ def test_without_a_scene_all_nodes_are_read_and_told() -> None:
         ("a.glb", glb({"asset": {"version": "2.9", "minVersion": "2.9"}}), "version '2.9'"),
         ("a.glb", glb({"asset": {"version": "3.0"}}), "version '3.0'"),
         ("a.glb", glb({"buffers": [{"byteLength": 40}]}), "past its end"),
+        ("a.glb", glb({"buffers": [{"byteLength": 52}]}), "past its end"),
         ("a.glb", glb({"nodes": [{"mesh": 0}, {"children": [0]}]}), "nodes.0. is in another"),
         ("a.dae", dae("<COLLADA", f"{ENTITY}<COLLADA").decode().encode("utf-16"), "document type"),
         ("a.dae", DAE.encode("utf-16-le"), "byte 0"),
