@@ -188,7 +188,7 @@ def _bases(browser: Browser) -> Image.Image:
         panel.put.value = True
         visited.follow()
         visited.page.until(lambda: session.frame.plan.error is None, "a plan")
-        panel.region.shown.value = False
+        panel.show_region.value = False
         visited.hide_overlay()
         visited.show(*BASE, "bspline", "arm", "bases")
         visited.look((14.0, -9.0, 19.0), (3.0, 4.0, 0.5))

@@ -1,30 +1,42 @@
-"""Search for the arm's best base, in steps of one plan each: start, stop, and take the best."""
+"""Search for the arm's best base, in steps of one plan each: region, start, stop, and the best.
+
+The region is a box, as numbers and as a gizmo in the scene.
+"""
 
 from __future__ import annotations
 
-import html
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import viser
 
+from abi.arrays import FloatArray
+from abi.errors import SceneError
 from abi.explain.base_map import BaseMap
-from abi.explain.find_base import base_maps
+from abi.explain.find_base import base_maps, default_region
+from abi.obstacles.pose import Vec3
 from abi.scene.scene import Scene
-from app.panels.stages.base_region import BaseRegion
-from app.panels.widgets import Wake, pressed
+from app.drawing.box import box_edges
+from app.drawing.lines import NO_SEGMENTS, Segments, add_line
+from app.panels.length_step import length_step
+from app.panels.stages.base_result import base_result
+from app.panels.widgets import VectorBox, Wake, pressed
 from app.state.frame import Frame
 from app.ui import style
-from app.ui.numbers import format_length, format_lower_bound, format_setting, unbroken
+from app.ui.numbers import unbroken
 
+_HANDLE = 0.12
+"""Length of the gizmo's arrows, as a part of the region's longest side."""
 _PORTION = 0.005
 """Seconds between two plans, in which other tabs and the hand have their turn."""
-_REASONS = 4
 _INTRO = "Tries the base at many places in a region and shows how long the curve is from each."
 
 
 class FindBasePanel:
     """Folder of stage 6: region, progress, and what was found.
+
+    The region belongs to the tab and to no scene.
 
     Attributes:
         whose: of which legs the search is, as a part of a sentence; empty where there is one.
@@ -34,7 +46,7 @@ class FindBasePanel:
         gui = client.gui
         with gui.add_folder("Find a base", expand_by_default=False):
             gui.add_html(style.paragraph(_INTRO))
-            self.region = BaseRegion(client, scene, wake)
+            self._add_region(client, wake)
             self.find = gui.add_button("Find a base", hint="Searches the region while you go on.")
             self.progress = gui.add_progress_bar(0.0, visible=False)
             self.put = gui.add_button(
@@ -49,6 +61,40 @@ class FindBasePanel:
         self.whose = ""
         self._showed = False  # whether the region is shown only for the search
         self._drawn: tuple[object, ...] = ()
+        self._region_of: tuple[object, ...] = ()
+        self._size: FloatArray = np.zeros(3)
+        self._boxed: FloatArray = np.full(3, np.nan)
+        self.write(scene)
+
+    def _add_region(self, client: viser.ClientHandle, wake: Wake) -> None:
+        """Add the region's numbers, its gizmo and its box."""
+        gui = client.gui
+        self.show_region = gui.add_checkbox(
+            "show the region", False, hint="Move it by its arrows; its size is set below."
+        )
+        self.show_region.on_update(wake)
+        self.middle = VectorBox(gui, "region centre", 0.1, "Centre of the box.", wake)
+        self.sides = VectorBox(
+            gui, "region size", 0.1, "With 0 the base stays as it is along that axis.", wake
+        )
+        self.gizmo = client.scene.add_transform_controls(
+            "/base_region",
+            disable_rotations=True,
+            disable_sliders=True,
+            line_width=3.0,
+            depth_test=False,
+            opacity=0.9,
+            visible=False,
+        )
+        self.gizmo.on_update(wake)
+        self._box = add_line(client.scene, "/base_region/box", style.MARK, 2.5)
+
+    @property
+    def corners(self) -> tuple[Vec3, Vec3]:
+        """Low and high corner of the region, [unit], world."""
+        middle = np.asarray(self.gizmo.position, dtype=float)
+        low, high = (middle - self._size / 2).tolist(), (middle + self._size / 2).tolist()
+        return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
     @property
     def running(self) -> bool:
@@ -63,17 +109,36 @@ class FindBasePanel:
         """Take the region and the buttons; no section of the scene.
 
         Raises:
-            SceneError: the region is none.
+            SceneError: a side of the region is no length.
         """
         if pressed(self.find):
             self._asked = not self.running
             self._maps = None
-        self.region.read()
+        if (middle := self.middle.typed("region.middle")) is not None:
+            self.gizmo.position = np.array(middle)
+        self.middle.show(self.gizmo.position)
+        sides = self.sides.typed("region.sides")
+        if sides is not None and min(sides) < 0:
+            self.sides.write(self._size)
+            raise SceneError("region.sides", list(sides), "lengths from 0 on")
+        if sides is not None:
+            self._size = np.array(sides, dtype=float)
         return {}
 
     def write(self, scene: Scene) -> None:
-        """Show the region for ``scene``."""
-        self.region.write(scene)
+        """Begin with the usual region where the workspace is another."""
+        of = scene.workspace, scene.unit, scene.arm.model
+        if of == self._region_of:
+            return
+        self._region_of = of
+        low, high = (np.array(corner) for corner in default_region(scene))
+        self.gizmo.position = (low + high) / 2
+        self._size = high - low
+        self.middle.write(self.gizmo.position)
+        self.sides.write(self._size)
+        self.middle.handle.step = self.sides.handle.step = length_step(scene)
+        self.middle.handle.label = f"region centre [{scene.unit}]"
+        self.sides.handle.label = f"region size [{scene.unit}]"
 
     def accepted_change(self) -> dict[str, Any] | None:
         """The base whose button was pressed since the last call, as a change of the scene."""
@@ -94,9 +159,9 @@ class FindBasePanel:
             count = len(scene.tasks)
             self.whose = f" for leg {leg + 1} alone" if leg else ""
             self.whose = f" for all {count} legs" if count > 1 else self.whose
-            self._showed |= not self.region.shown.value
-            self.region.shown.value = True
-            self._maps = base_maps(scene, *self.region.corners)
+            self._showed |= not self.show_region.value
+            self.show_region.value = True
+            self._maps = base_maps(scene, *self.corners)
         if self._maps is not None:
             self._found = next(self._maps, self._found)
             if self._found is None or self._found.is_done:
@@ -109,12 +174,12 @@ class FindBasePanel:
             return found
         self._found = self._maps = None
         if self._showed:
-            self._showed = self.region.shown.value = False
+            self._showed = self.show_region.value = False
         return None
 
     def draw(self, frame: Frame) -> None:
         """Show region, progress and result."""
-        self.region.draw()
+        self._draw_region()
         state = frame.bases, self.running
         if state == self._drawn:
             return
@@ -128,47 +193,25 @@ class FindBasePanel:
         if found is not None:
             done, of = found.planned
             self.progress.value = min(100.0, 100 * done / of)
-            self._text.content = unbroken(style.paragraph(_result(found, self.whose)))
+            self._text.content = unbroken(style.paragraph(base_result(found, self.whose)))
+
+    def _draw_region(self) -> None:
+        """Draw the region's box where it is shown."""
+        self.gizmo.visible = bool(self.show_region.value)
+        if not (self._boxed == self._size).all():
+            self._boxed = self._size
+            self.gizmo.scale = _HANDLE * float(self._size.max(initial=1e-3))
+            self._box.points = _edges(self._size)
+
+
+def _edges(size: FloatArray) -> Segments:
+    """Edges (n, 2, 3) of a box around the origin; those of no length are left out."""
+    lines = box_edges(-size / 2, size / 2)
+    lines = lines[np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > 0]
+    return lines.astype(np.float32) if len(lines) else NO_SEGMENTS
 
 
 def _with_base(scene: Scene, found: BaseMap) -> Scene:
     """Scene whose arm stands where it stood when the search for a base began."""
     arm = scene.arm.model_copy(update={"base": found.scene.arm.base})
     return scene.model_copy(update={"arm": arm})
-
-
-def _result(found: BaseMap, whose: str) -> str:
-    """Findings as HTML."""
-    if found.fault:
-        return f"No base helps{whose}: {html.escape(found.fault)}"
-    unit, best, lengths = found.scene.unit, found.best, found.lengths
-    reasons = list(found.faults.items())[:_REASONS]
-    counted = ", ".join(f"{count} × {html.escape(reason)}" for reason, count in reasons)
-    without = f" Grey places have none: {counted}." if counted else ""
-    tried = len(found.trials)
-    if best is None or best.length is None or lengths is None:
-        so_far = "" if found.is_done else " so far"
-        return f"None of {tried} places{so_far} has a certified plan{whose}.{without}"
-    place = ", ".join(format_setting(round(number, 4)) for number in best.base)
-    clear = ""
-    if best.clearance < float("inf"):
-        clear = f", its links {format_lower_bound(best.clearance)} {unit} clear"
-    count = tried - sum(found.faults.values())
-    return (
-        f"<b>Shortest{whose}: {format_length(best.length)} {unit}</b> with the base at "
-        f"({place}){clear}. {count} of {tried} places have a certified plan."
-        f"{without}{_scale(*lengths, unit)}"
-    )
-
-
-def _scale(least: float, most: float, unit: str) -> str:
-    """The colours and their lengths, as HTML."""
-    if most - least < 1e-9 * most:
-        return ""
-    stops = ",".join(style.css(colour) for colour in style.HEAT)
-    return (
-        '<div style="display:flex;gap:6px;align-items:center;margin-top:4px">'
-        f"{format_length(least)}"
-        f'<span style="flex:1;height:8px;background:linear-gradient(90deg,{stops})"></span>'
-        f"{format_length(most)} {unit}</div>"
-    )

@@ -79,21 +79,21 @@ def test_it_stops_when_asked_and_when_the_scene_changes(behind_a_wall: Tab) -> N
     until(lambda: session.frame.plan.scene.obstacles[3].position[1] == y + 0.5)
     until(lambda: session.frame.bases is None and not panel.running)
     until(lambda: "/bases/tiles" not in session.client.scene._handle_from_node_name)
-    until(lambda: not panel.region.gizmo.visible)  # the search has shown it
+    until(lambda: not panel.gizmo.visible)  # the search has shown it
 
-    fake.set(panel.region.shown, True)
+    fake.set(panel.show_region, True)
     fake.set(panel.find, True)
     until(lambda: session.frame.bases is not None)
     fake.drag(session.panels.obstacles.gizmos[3], [x, y, z])
     until(lambda: session.frame.bases is None and not panel.running)
     until(lambda: session.resting)
-    assert panel.region.gizmo.visible, "a hand has shown it"
+    assert panel.gizmo.visible, "a hand has shown it"
 
 
 @pytest.mark.slow
 def test_the_region_is_typed_and_dragged(behind_a_wall: Tab) -> None:
     fake, session = behind_a_wall
-    region = session.panels.stages.bases.region
+    region = session.panels.stages.bases
     np.testing.assert_allclose(region.corners, default_region(load_scene("find-a-base")))
     fake.set(region.sides.handle, [4.0, 2.0, 0.0])
     fake.drag(region.gizmo, [2.0, 8.0, 0.0])

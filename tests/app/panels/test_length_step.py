@@ -34,7 +34,7 @@ def test_boxes_of_a_scene_step_by_it(tab: tuple[FakeTab, Session], name: str, st
     scene = load_scene(name)
     until(lambda: session.frame.plan.scene == scene and session.resting)
     stages, editor = session.panels.stages, session.panels.editor
-    sizes, region = editor.sizes, stages.bases.region
+    sizes, region = editor.sizes, stages.bases
     boxes: tuple[Any, ...] = (
         *(sizes.size, sizes.radius, sizes.height, editor._position.handle),
         *(box.handle for box in editor._end_boxes.values()),
