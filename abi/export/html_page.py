@@ -65,7 +65,7 @@ def page_data(plan: Plan) -> dict[str, Any]:
     assert plan.free is not None
     scene = plan.scene
     near = np.array([scene.start]) if plan.path is None else plan.path.points
-    part = subset(plan.free, plan.graph, scene.obstacles, near, "near", EDGES)
+    nodes, edges, excluded = subset(plan.free, plan.graph, scene.obstacles, near, "near", EDGES)
     order = _order(plan)
     corners = np.array([scene.workspace.min, scene.workspace.max, scene.arm.base])
     return {
@@ -74,9 +74,9 @@ def page_data(plan: Plan) -> dict[str, Any]:
         "start": list(scene.start),
         "goal": list(scene.goal),
         "faces": rounded(_faces(_standing(plan))),
-        "nodes": rounded(part.points),
-        "edges": part.edges.tolist(),
-        "removed": rounded(part.excluded[:: max(1, len(part.excluded) // 500)]),
+        "nodes": rounded(nodes),
+        "edges": edges.tolist(),
+        "removed": rounded(excluded[:: max(1, len(excluded) // 500)]),
         "order": rounded(order),
         "expanded": 0 if plan.path is None else plan.path.expanded,
         "path": [] if plan.path is None else rounded(plan.path.points),

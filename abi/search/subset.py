@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
@@ -25,26 +24,19 @@ _EDGES_A_NODE = 7
 _SLICE = 0.75  # of the longest edge: half the thickness of a slice
 
 
-@dataclass(frozen=True, eq=False)
-class Subset:
-    """Nodes and edges to draw.
-
-    Attributes:
-        points: (k, 3) the free nodes, [unit], world.
-        edges: (e, 2) indices into ``points``.
-        excluded: (m, 3) nodes that the obstacles exclude, [unit], world.
-        edges_in_all: number of edges of the whole graph.
-    """
-
-    points: FloatArray
-    edges: IntArray
-    excluded: FloatArray
-    edges_in_all: int
-
-
 def fits(free: FreeMesh, budget: int) -> bool:
     """Check whether the whole mesh has no more than about ``budget`` edges."""
     return _EDGES_A_NODE * free.nodes <= budget
+
+
+def edges_in_all(free: FreeMesh, graph: Graph | None) -> int:
+    """Number of edges from which :func:`subset` chooses."""
+    return len(_free_edges(free)) if graph is None else graph.edge_count
+
+
+def _free_edges(free: FreeMesh) -> IntArray:
+    """Edges of the mesh (e, 2) between nodes that are not excluded; not tested themselves."""
+    return free.mesh.edges[~free.excluded[free.mesh.edges].any(axis=1)]
 
 
 def subset(
@@ -54,7 +46,7 @@ def subset(
     path_points: FloatArray,
     view: str,
     budget: int,
-) -> Subset:
+) -> tuple[FloatArray, IntArray, FloatArray]:
     """Choose at most ``budget`` edges, those nearest to path and obstacles first.
 
     Args:
@@ -66,6 +58,9 @@ def subset(
             that axis, through the first obstacle; ``surface``: nodes at the sides of the workspace
             and at the obstacles.
         budget: largest number of edges.
+
+    Returns:
+        Free nodes (k, 3), [unit], world; edges (e, 2) between these; excluded nodes (m, 3).
 
     Raises:
         CancelledError: it is not wanted any more.
@@ -81,20 +76,16 @@ def subset(
         seen &= _near(points, seen & ~gone, path_points, obstacles, budget // _EDGES_A_NODE)
     progress.check()
     if graph is None:
-        edges = free.mesh.edges[~gone[free.mesh.edges].any(axis=1)]
-        in_all, shown = len(edges), edges[seen[edges].all(axis=1)][:budget]
+        edges = _free_edges(free)
+        shown = edges[seen[edges].all(axis=1)][:budget]
     else:
-        in_all, shown = graph.edge_count, graph.edges_among(seen)[:budget]
+        shown = graph.edges_among(seen)[:budget]
     progress.check()
     used = np.flatnonzero(seen & ~gone)
     place = np.zeros(len(points), dtype=np.int32)
     place[used] = np.arange(len(used))
-    return Subset(
-        points=read_only(points[used]),
-        edges=read_only(place[shown]),
-        excluded=read_only(points[evenly(np.flatnonzero(seen & gone), budget // _EDGES_A_NODE)]),
-        edges_in_all=in_all,
-    )
+    excluded = evenly(np.flatnonzero(seen & gone), budget // _EDGES_A_NODE)
+    return read_only(points[used]), read_only(place[shown]), read_only(points[excluded])
 
 
 def _seen(view: str, free: FreeMesh, points: FloatArray, obstacles: Obstacles) -> BoolArray:

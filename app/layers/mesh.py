@@ -8,8 +8,9 @@ import numpy as np
 import viser
 
 from abi import progress
+from abi.arrays import FloatArray, IntArray
 from abi.planner.plan import Plan
-from abi.search.subset import Subset, fits, subset
+from abi.search.subset import edges_in_all, fits, subset
 from app.drawing import glb
 from app.drawing.straight_lines import straight_lines
 from app.layers.points import add_points, set_lines, set_points
@@ -96,24 +97,24 @@ class MeshLayer:
         self._stale = waits and self._edges is not None and not whole
         if self._stale:
             return
-        part, picture = _part(plan, view), _picture(plan, view, solid)
+        points, edges, excluded = _part(plan, view)
+        picture = _picture(plan, view, solid)
         self._drawn = state
         self._note = ""
-        if len(part.edges) < part.edges_in_all:
-            self._note = (
-                f"{len(part.edges):,} of {part.edges_in_all:,} edges shown: {_VIEW_NAMES[view]}"
-            )
+        in_all = edges_in_all(plan.free, plan.graph)
+        if len(edges) < in_all:
+            self._note = f"{len(edges):,} of {in_all:,} edges shown: {_VIEW_NAMES[view]}"
         self._edges = set_lines(self._scene, "/mesh/edges", self._edges, picture)
         size = min(0.05 * plan.free.mesh.pitch, 0.008 * max(plan.scene.workspace.size))
-        set_points(self._clouds["nodes"], part.points, style.MESH, size)
+        set_points(self._clouds["nodes"], points, style.MESH, size)
         # many, as where the whole arm avoids, are smaller: what matters lies among them
-        share = float(np.clip((_FEW / max(len(part.excluded), 1)) ** 0.5, 0.4, 1.0))
-        set_points(self._clouds["excluded"], part.excluded, style.EXCLUDED, 1.6 * share * size)
+        share = float(np.clip((_FEW / max(len(excluded), 1)) ** 0.5, 0.4, 1.0))
+        set_points(self._clouds["excluded"], excluded, style.EXCLUDED, 1.6 * share * size)
 
 
 @once_a_plan
-def _part(plan: Plan, view: str) -> Subset:
-    """The part of a plan's mesh that a view shows."""
+def _part(plan: Plan, view: str) -> tuple[FloatArray, IntArray, FloatArray]:
+    """Nodes, edges and excluded nodes of a plan's mesh that a view shows, see :func:`subset`."""
     assert plan.free is not None
     near = plan.path.points if plan.path is not None else np.array([plan.scene.start])
     return subset(plan.free, plan.graph, plan.scene.obstacles, near, view, EDGE_BUDGET)
@@ -122,14 +123,14 @@ def _part(plan: Plan, view: str) -> Subset:
 @once_a_plan
 def _picture(plan: Plan, view: str, solid: bool) -> bytes:
     """Edges of that part as binary glTF, ``solid`` or faint; empty where there are none."""
-    part = _part(plan, view)
+    points, edges, _ = _part(plan, view)
     progress.check()
-    if not len(part.edges):
+    if not len(edges):
         return b""
-    lines = part.points, part.edges
+    lines = points, edges
     if plan.mesh is not None and plan.mesh.stencil is not None:
         lines = straight_lines(*lines, plan.mesh.stencil)
-    return glb.line_set(*lines, style.MESH, 1.0 if solid else _opacity(len(part.edges)))
+    return glb.line_set(*lines, style.MESH, 1.0 if solid else _opacity(len(edges)))
 
 
 def _opacity(edges: int) -> float:

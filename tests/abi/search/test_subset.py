@@ -14,7 +14,7 @@ from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.scene.lattices import LATTICES
 from abi.scene.scene import load_scene
-from abi.search.subset import VIEWS, fits, subset
+from abi.search.subset import VIEWS, edges_in_all, fits, subset
 from tests.thorough import of_each_kind
 
 
@@ -47,17 +47,19 @@ def test_what_is_shown_is_in_the_graph_and_keeps_the_budget(view: str, budget: i
     assert made.free is not None
     assert made.graph is not None
     assert made.path is not None
-    part = subset(made.free, made.graph, made.scene.obstacles, made.path.points, view, budget)
+    shown, edges, excluded = subset(
+        made.free, made.graph, made.scene.obstacles, made.path.points, view, budget
+    )
 
-    assert len(part.edges) <= budget
-    assert part.edges_in_all == len(made.graph.edges)
+    assert len(edges) <= budget
+    assert edges_in_all(made.free, made.graph) == len(made.graph.edges)
     points = made.graph.points
-    drawn = by_ends(part.points, part.edges)
+    drawn = by_ends(shown, edges)
     assert drawn <= whole(0.3)
-    assert len(drawn) == len(part.edges)
+    assert len(drawn) == len(edges)
     gone = np.flatnonzero(made.free.excluded)
-    assert rows(part.excluded) <= rows(points[gone])
-    assert not rows(part.points) & rows(points[gone])
+    assert rows(excluded) <= rows(points[gone])
+    assert not rows(shown) & rows(points[gone])
 
 
 @pytest.mark.parametrize("lattice", LATTICES)
@@ -66,12 +68,12 @@ def test_a_mesh_that_fits_is_shown_whole(lattice: str) -> None:
     assert made.free is not None
     assert made.graph is not None
     assert fits(made.free, 30_000)
-    part = subset(
+    _, edges, excluded = subset(
         made.free, made.graph, made.scene.obstacles, made.graph.points[:1], "near", 30_000
     )
 
-    assert len(part.edges) == part.edges_in_all == made.graph.edge_count
-    assert len(part.excluded) == made.free.excluded.sum()
+    assert len(edges) == edges_in_all(made.free, made.graph) == made.graph.edge_count
+    assert len(excluded) == made.free.excluded.sum()
 
 
 def test_near_shows_the_path_and_leaves_out_what_is_farthest() -> None:
@@ -80,12 +82,14 @@ def test_near_shows_the_path_and_leaves_out_what_is_farthest() -> None:
     assert made.graph is not None
     assert made.path is not None
     assert not fits(made.free, 30_000)
-    part = subset(made.free, made.graph, made.scene.obstacles, made.path.points, "near", 30_000)
+    points, edges, _ = subset(
+        made.free, made.graph, made.scene.obstacles, made.path.points, "near", 30_000
+    )
 
-    assert rows(made.path.points) <= rows(part.points)
-    assert 10_000 < len(part.edges) < part.edges_in_all
+    assert rows(made.path.points) <= rows(points)
+    assert 10_000 < len(edges) < edges_in_all(made.free, made.graph)
     corner = np.array([0.0, 6.0, 6.0])
-    assert np.linalg.norm(part.points - corner, axis=1).min() > 1
+    assert np.linalg.norm(points - corner, axis=1).min() > 1
 
 
 @pytest.mark.slow
@@ -112,14 +116,14 @@ def test_near_shows_what_is_nearest_to_path_and_obstacles(
     )
     assert made.free is not None
     assert made.graph is not None
-    part = subset(made.free, made.graph, obstacles, path, "near", budget)
+    points, _, _ = subset(made.free, made.graph, obstacles, path, "near", budget)
 
     samples = path[0] + np.linspace(0, 1, 200)[:, None] * (path[1] - path[0])
     free = made.graph.points[: len(made.free.excluded)][~made.free.excluded]
     away = np.linalg.norm(free[:, None] - samples, axis=2).min(axis=1)
     for obstacle in obstacles:
         away = np.minimum(away, obstacle.signed_distance(free).clip(0))
-    drawn = rows(part.points)
+    drawn = rows(points)
     shown = np.array([tuple(point) in drawn for point in free.tolist()])
     cell = 6 / 40 * np.sqrt(3)
 
@@ -133,19 +137,23 @@ def test_a_slice_is_thin_and_runs_through_the_obstacle(axis: int) -> None:
     assert made.free is not None
     assert made.path is not None
     view = VIEWS[1 + axis]
-    part = subset(made.free, made.graph, made.scene.obstacles, made.path.points, view, 30_000)
+    points, _, excluded = subset(
+        made.free, made.graph, made.scene.obstacles, made.path.points, view, 30_000
+    )
 
-    assert np.ptp(part.points[:, axis]) < 1.0
-    assert abs(part.points[:, axis].mean() - 3) < 0.3
-    assert len(part.excluded) > 0
-    assert np.delete(np.ptp(part.points, axis=0), axis) == pytest.approx([6, 6])
+    assert np.ptp(points[:, axis]) < 1.0
+    assert abs(points[:, axis].mean() - 3) < 0.3
+    assert len(excluded) > 0
+    assert np.delete(np.ptp(points, axis=0), axis) == pytest.approx([6, 6])
 
 
 def test_without_a_graph_no_edge_has_an_excluded_end() -> None:
     made = planned(1.0)
     assert made.free is not None
-    part = subset(made.free, None, made.scene.obstacles, np.zeros((1, 3)), "near", 30_000)
+    points, edges, _ = subset(
+        made.free, None, made.scene.obstacles, np.zeros((1, 3)), "near", 30_000
+    )
 
     kept = ~made.free.excluded
-    assert len(part.points) == kept.sum()
-    assert len(part.edges) == kept[made.free.mesh.edges].all(axis=1).sum()
+    assert len(points) == kept.sum()
+    assert len(edges) == kept[made.free.mesh.edges].all(axis=1).sum()
