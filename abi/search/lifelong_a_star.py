@@ -6,42 +6,13 @@ neighbours; only these, and the nodes that this affects, are expanded again.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from abi.arrays import IntArray, read_only
+from abi.arrays import read_only
 from abi.errors import AbiError
 from abi.search.arcs import Arcs
 from abi.search.heap_kernels import repair_order
-from abi.search.search_kernels import reconstruct_path
-from abi.search.trace import NO_NODES
-
-
-@dataclass(frozen=True, eq=False)
-class Repair:
-    """Result of a search that was repaired after its graph changed.
-
-    Attributes:
-        arcs: the present arcs.
-        vertices: (k,) the path from start to goal; empty when there is none.
-        cost: of the path; inf without one.
-        order: (m,) nodes expanded for the repair; one may come twice.
-        relaxed: number of arcs examined.
-        changed: number of nodes whose arcs have changed.
-    """
-
-    arcs: Arcs
-    vertices: IntArray
-    cost: float
-    order: IntArray
-    relaxed: int
-    changed: int
-
-    @property
-    def expanded(self) -> int:
-        """Number of nodes expanded for the repair."""
-        return len(self.order)
+from abi.search.search import Expanded
 
 
 def can_repair(before: Arcs, now: Arcs) -> bool:
@@ -51,8 +22,12 @@ def can_repair(before: Arcs, now: Arcs) -> bool:
     return ends and both_ways and np.array_equal(before.points, now.points)
 
 
-def lifelong_a_star(before: Arcs, now: Arcs) -> Repair:
+def lifelong_a_star(before: Arcs, now: Arcs) -> tuple[Expanded, int]:
     """Search ``before``, then repair that search for ``now``.
+
+    Returns:
+        What the repaired search finds, with the nodes that were expanded and the arcs that were
+        examined for the repair alone; and the number of nodes whose arcs have changed.
 
     Raises:
         AbiError: nodes, start or goal differ, or an arc has one direction only.
@@ -61,12 +36,5 @@ def lifelong_a_star(before: Arcs, now: Arcs) -> Repair:
         raise AbiError("The search before was on other nodes or between other ends: begin anew.")
     ends = (now.start, now.goal)
     order, relaxed, changed, cost, parent = repair_order(before.rows, now.rows, now.estimates, ends)
-    has_path = np.isfinite(cost[now.goal])
-    return Repair(
-        now,
-        read_only(reconstruct_path(parent, now.goal)) if has_path else NO_NODES,
-        float(cost[now.goal]),
-        read_only(order),
-        int(relaxed),
-        int(np.count_nonzero(changed)),
-    )
+    found = read_only(cost), read_only(parent), read_only(order), int(relaxed)
+    return found, int(np.count_nonzero(changed))

@@ -229,7 +229,8 @@ def of_graph(lattice: str, field: str) -> Entry:
 def of_arcs(field: str) -> Entry:
     def call(values: Any) -> Any:
         changed = replace(arcs(), rows=arcs().rows._replace(**{field: values}))
-        return lifelong_a_star(arcs(), changed).cost
+        (costs, *_), _ = lifelong_a_star(arcs(), changed)
+        return costs[changed.goal]
 
     return Entry(call, getattr(arcs().rows, field), infinite=field == "weights")
 

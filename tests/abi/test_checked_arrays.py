@@ -24,10 +24,9 @@ RESULTS = {
         "JointSearch",
         "LimitsKept",
         "Reason",
-        "Repair",
         "SearchResult",
     ),
-    *("SearchResult", "SearchTrace", "Shells", "Solid", "Subset", "TautPath"),
+    *("SearchResult", "SearchTrace", "Shells", "Solid", "TautPath"),
 }
 """Dataclasses that hold what was computed: who hands their arrays on has them checked again."""
 EXACT = {"ExactMesh"}

@@ -7,7 +7,7 @@ from abi.planner.plan import Plan
 from abi.search.arcs import Arcs
 from abi.search.compare import COMPARED
 from abi.search.heuristic import Weight
-from abi.search.lifelong_a_star import Repair, can_repair, lifelong_a_star
+from abi.search.lifelong_a_star import can_repair, lifelong_a_star
 from abi.search.search_problem import SearchProblem
 from abi.search.trace import SearchTrace
 from app.ui import style
@@ -36,22 +36,29 @@ def comparison(plan: Plan, before: Plan | None) -> tuple[str, float]:
     return text, sum(ms for _, ms in found.values())
 
 
-def _mended(before: Plan | None, arcs: Arcs, weight: Weight) -> Repair | None:
-    """The search of the plan before, mended; None where there was none between the same ends."""
+def _mended(before: Plan | None, arcs: Arcs, weight: Weight) -> tuple[int, int] | None:
+    """Nodes that mending the search of the plan before visits, and nodes whose edges have changed.
+
+    None where there was none between the same ends.
+    """
     if before is None or before.graph is None:
         return None
     known = Arcs.of(before.graph, weight)
-    return lifelong_a_star(known, arcs) if can_repair(known, arcs) else None
+    if not can_repair(known, arcs):
+        return None
+    (_, _, order, _), changed = lifelong_a_star(known, arcs)
+    return len(order), changed
 
 
-def _told(mended: Repair | None, a_star: SearchTrace) -> str:
+def _told(mended: tuple[int, int] | None, a_star: SearchTrace) -> str:
     """Note on mending the search before, as HTML."""
     if mended is None:
         return style.paragraph(f"Move an obstacle and compare again: {_MENDING}")
-    visited, anew = format_count(mended.expanded), format_count(a_star.steps)
-    nodes = "node" if mended.expanded == 1 else "nodes"
+    expanded, changed = mended
+    visited, anew = format_count(expanded), format_count(a_star.steps)
+    nodes = "node" if expanded == 1 else "nodes"
     return style.paragraph(
-        f"Since the last plan, the edges of {format_count(mended.changed)} nodes have changed. "
+        f"Since the last plan, the edges of {format_count(changed)} nodes have changed. "
         f"{_MENDING} It visits <b>{visited}</b> {nodes}; A* from scratch, {anew}."
     )
 
