@@ -14,10 +14,11 @@ from heapq import heappop, heappush
 
 from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arm_planning.branch.arm_branch import ArmBranch
+from abi.arm_planning.branch.branch_memory import BranchMemory
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.planner.plan import Plan
 from abi.planner.planning_problem import PlanningProblem
-from abi.planner.whole_arm_branch import BranchMemory, WholeArmBranch
+from abi.planner.whole_arm_branch import WholeArmBranch
 
 _NO_PATH = ("start", "goal", "path")
 """Faults that there are before a path is found."""

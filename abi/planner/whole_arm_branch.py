@@ -10,8 +10,8 @@ import numpy as np
 
 from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arm_planning.branch.arm_branch import ArmBranch
-from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.branch.arm_path import REFINEMENTS, fit_clear, pull_clear, search_clear
+from abi.arm_planning.branch.branch_memory import BranchMemory
 from abi.arm_planning.exclusion.arm_path_kernels import ROUNDS
 from abi.arm_planning.motion.arm_clearance import named
 from abi.arm_planning.motion_law import motion_law
@@ -43,18 +43,6 @@ _HASTY_ROUNDS, _HASTY_REFINEMENTS = 1, 8
 
 _profile = lru_cache(maxsize=4)(motion_law)
 """While an obstacle is dragged that is not in the way the joints go along the same path."""
-
-
-class BranchMemory:
-    """What is kept of an arm's branch from one plan to the next.
-
-    Attributes:
-        exclude: what the arm excludes from the mesh.
-        slack: number of the multiple of the slack with which the last curve was found.
-    """
-
-    def __init__(self) -> None:
-        self.exclude, self.slack = ArmExclusionCache(), 0
 
 
 class WholeArmBranch(Branch):

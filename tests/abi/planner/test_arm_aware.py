@@ -11,7 +11,7 @@ import pytest
 
 from abi import Planner, load_scene, plan
 from abi.arm_planning.arm_errors import ArmNotClear, beyond_limit
-from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
+from abi.arm_planning.branch.branch_memory import BranchMemory
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.world.arm_worlds import paper_arm_world
@@ -239,7 +239,7 @@ def test_excluded_nodes_are_those_where_the_arm_is_not_clear(elbow: Elbow) -> No
     scene = arm_scene(3, pitch=1.4)
     mesh = tetrahedralise(scene.workspace, scene.mesh)
     branch, obstacles = elbow_branch_of(scene, elbow), ObstacleSet(scene.obstacles)
-    free = ArmExclusionCache()(FreeMesh.of(mesh), branch, obstacles)
+    free = BranchMemory().exclude(FreeMesh.of(mesh), branch, obstacles)
     for node, point in enumerate(mesh.points):
         fault = branch.polyline_refutation(point[None])
         assert free.excluded[node] == (fault is not None and fault.decided)
@@ -249,7 +249,7 @@ def test_what_is_remembered_of_nodes_that_become_free_is_what_is_found_anew() ->
     scene = arm_scene(3, pitch=0.8)
     made = FreeMesh.of(tetrahedralise(scene.workspace, scene.mesh))
     margin = scene.spline.clearance
-    cache = ArmExclusionCache()
+    memory = BranchMemory()
     moved = [
         one.model_copy(update={"position": tuple(p + 0.7 for p in one.position)})
         for one in scene.obstacles
@@ -261,7 +261,10 @@ def test_what_is_remembered_of_nodes_that_become_free_is_what_is_found_anew() ->
         there = scene.model_copy(update={"obstacles": obstacles})
         branch, solids = elbow_branch_of(there), ObstacleSet(obstacles)
         free = exclude(made.mesh, solids, margin)
-        remembered, anew = cache(free, branch, solids), ArmExclusionCache()(free, branch, solids)
+        remembered, anew = (
+            memory.exclude(free, branch, solids),
+            BranchMemory().exclude(free, branch, solids),
+        )
         assert (remembered.excluded == anew.excluded).all()
         every = branch.reached(made.mesh.points)
         expected = ~every | free.excluded

@@ -1,4 +1,4 @@
-"""Cache of the nodes that an arm excludes from a mesh, obstacle by obstacle, on one branch."""
+"""Memory of one branch of an arm: the nodes that it excludes from a mesh, obstacle by obstacle."""
 
 from __future__ import annotations
 
@@ -33,14 +33,18 @@ class _Known(NamedTuple):
 _NO_FLAGS = read_only(np.zeros(1, dtype=np.bool_))
 
 
-class ArmExclusionCache:
-    """Excludes from a mesh the nodes at which an arm is out of reach, past a limit or too near.
+class BranchMemory:
+    """What is kept of an arm's branch from one plan to the next.
 
     It remembers the nodes that each obstacle excludes, and those that the arm alone excludes. A
     node that the tool or another obstacle excludes is examined only once it is free.
+
+    Attributes:
+        slack: number of the multiple of the slack with which the last curve was found.
     """
 
     def __init__(self) -> None:
+        self.slack = 0
         self._state: tuple[object, ...] = ()
         self._reached: BoolArray = np.zeros(0, dtype=np.bool_)
         self._line_starts: BoolArray = np.zeros(0, dtype=np.bool_)
@@ -50,8 +54,8 @@ class ArmExclusionCache:
         )  # how many obstacles each node touches
         self._complete = self._reached  # whether all are asked about it
 
-    def __call__(self, free: FreeMesh, branch: ArmBranch, obstacles: ObstacleSet) -> FreeMesh:
-        """The mesh without the nodes that the arm excludes in addition.
+    def exclude(self, free: FreeMesh, branch: ArmBranch, obstacles: ObstacleSet) -> FreeMesh:
+        """The mesh without the nodes at which the arm is out of reach, past a limit or too near.
 
         Args:
             free: the mesh without those that the tool excludes.

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from abi.arm_planning.branch.arm_branch import ArmBranch
-from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
+from abi.arm_planning.branch.branch_memory import BranchMemory
 from abi.arrays import BoolArray, FloatArray, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.lattices import LATTICES, Lattice
@@ -51,7 +51,7 @@ def test_runs_of_excluded_nodes_leave_what_single_nodes_leave(
     count = len(mesh.points)
     by_tool, reached = random.random(count) < 0.2, random.random(count) >= share
     free = apply(FreeMesh.of(mesh), [_singly(by_tool)])
-    found = ArmExclusionCache()(free, cast(ArmBranch, _Reach(reached)), ObstacleSet())
+    found = BranchMemory().exclude(free, cast(ArmBranch, _Reach(reached)), ObstacleSet())
     expected = apply(free, [_singly(by_tool | ~reached)])
     np.testing.assert_array_equal(found.excluded, by_tool | ~reached)
     assert found.nodes == expected.nodes == int((~found.excluded).sum())
