@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
@@ -27,12 +27,14 @@ def read_only(array: _Array) -> _Array:
 
 
 def lock(values: Iterable[object]) -> None:
-    """Lock arrays against writing, also those in tuples."""
+    """Lock arrays against writing, also those in tuples and mappings."""
     for value in values:
         if isinstance(value, np.ndarray):
             read_only(value)
         elif isinstance(value, tuple):
             lock(value)
+        elif isinstance(value, Mapping):
+            lock(value.values())
 
 
 def flat(array: NDArray[np.float64]) -> FloatArray:
