@@ -28,6 +28,8 @@ _PLAIN = ".plain.stl"
 """Suffix of a file that has been converted to STL."""
 _NOTES = "notes.plain.txt"
 """Name of the file with the notes on converted meshes."""
+_MARK = "Files that end in .plain.stl are converted from those that the URDF names."
+"""First line of that file; without it an archive may be anybody's, and both are told of."""
 _MOST_NOTES = 20
 _SIMPLE = (".stl", ".obj", ".glb")
 
@@ -53,8 +55,11 @@ class MeshLookup:
         own = {file: file for file in files}
         self._names = {file.removesuffix(_PLAIN): file for file in files} | own
         self._triangles = 0
-        kept = files.get(_NOTES, b"").decode(errors="replace").splitlines()[:_MOST_NOTES]
-        self._kept = tuple(dict.fromkeys(line[:200] for line in kept))
+        lines = files.get(_NOTES, b"").decode(errors="replace").splitlines()
+        self._marked = lines[:1] == [_MARK]
+        kept = [line[:200] for line in lines[self._marked :][:_MOST_NOTES]]
+        said = kept if self._marked else [f"{_NOTES} says: {line}" for line in kept]
+        self._kept = tuple(dict.fromkeys(said))
         self._told: dict[str, dict[str, None]] = {}
 
     def __call__(self, name: str) -> Parts:
@@ -85,8 +90,11 @@ class MeshLookup:
                 plain[path] = self._files[path]
             else:
                 plain[path + _PLAIN] = stl.write(*self._read[path])
-        if told := self._notes_on_files:
-            plain[_NOTES] = "\n".join(told).encode()
+        told = self._notes_on_files
+        if told or any(path.endswith(_PLAIN) for path in plain):
+            # what somebody else called so is told of again
+            mark = () if any(file.endswith(_PLAIN) for file in self._guessed.values()) else (_MARK,)
+            plain[_NOTES] = "\n".join((*mark, *told)).encode()
         return plain
 
     def path(self, name: str) -> str:
@@ -104,7 +112,11 @@ class MeshLookup:
         if found is None and len(of_name) == 1:
             expected = f"a file that came with the URDF, as {exact[0] if exact else name}"
             raise SceneError("arm.urdf mesh", name, expected)
-        return self._names[self._alike(name) if found is None else found]
+        meant = self._alike(name) if found is None else found
+        file = self._names[meant]
+        if file != meant and not self._marked:
+            self._guessed[name] = file
+        return file
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -29,6 +29,7 @@ _UNUSED = "Not used of its SRDF:"
 _UNREACHED = "Left out of its SRDF, as a joint that others follow is turned farther than planned:"
 _TURNED = "Whole turns are left off where a state of its SRDF has more than one:"
 _BEYOND = "The limit counts where a state of its SRDF is beyond:"
+_AGAIN = "The last one counts where its SRDF has a state twice:"
 
 
 def with_srdf(robot: Robot, content: bytes, name: str, renamed: Mapping[str, str]) -> Robot:
@@ -108,8 +109,17 @@ def _joints(
 
 
 def _states(root: XmlElement, robot: Robot) -> dict[str, Mapping[str, float]]:
-    """Positions of existing joints within their limits, by the names of states."""
-    count = Counter(element.text("name") for element in root.all("group_state"))
+    """Positions of existing joints within their limits, by the names of states.
+
+    Of several states of one name and group the last one counts, as in MoveIt.
+    """
+    last: dict[tuple[str, str], XmlElement] = {}
+    for element in root.all("group_state"):
+        title, group = element.text("name"), element.text("group")
+        if (title, group) in last:
+            root.told.setdefault(_AGAIN, []).append(f"{title} of {group}")
+        last[title, group] = element
+    count = Counter(title for title, _ in last)
     limits = {one.name: (one.low, one.high) for one in robot.joints if one.kind != "fixed"}
     # what follows them is not as before after a turn
     geared = {
@@ -119,7 +129,7 @@ def _states(root: XmlElement, robot: Robot) -> dict[str, Mapping[str, float]]:
     }
     endless = {one.name for one in robot.joints if one.kind == "continuous"}
     found: dict[str, Mapping[str, float]] = {}
-    for element in root.all("group_state"):
+    for (title, group), element in last.items():
         positions: dict[str, float] = {}
         for joint in element.all("joint"):
             name = joint.text("name")
@@ -128,16 +138,15 @@ def _states(root: XmlElement, robot: Robot) -> dict[str, Mapping[str, float]]:
             position, (low, high) = joint.number("value", None, -math.inf, math.inf), limits[name]
             beyond = name in endless and math.isfinite(position) and not low <= position <= high
             if beyond and name in geared:
-                root.told.setdefault(_UNREACHED, []).append(element.text("name"))
+                root.told.setdefault(_UNREACHED, []).append(title)
                 positions = {}
                 break
             if beyond:
                 position -= TURN * round(position / TURN)
-                root.told.setdefault(_TURNED, []).append(f"{name} of {element.text('name')}")
+                root.told.setdefault(_TURNED, []).append(f"{name} of {title}")
             positions[name] = min(max(position, low), high)
             if abs(positions[name] - position) > _PAST:
-                root.told.setdefault(_BEYOND, []).append(f"{name} of {element.text('name')}")
-        title, group = element.text("name"), element.text("group")
+                root.told.setdefault(_BEYOND, []).append(f"{name} of {title}")
         if title and positions:
             full = title if count[title] == 1 else f"{group}/{title}"
             full = full if full not in found else f"{len(found) + 1}/{full}"

@@ -17,11 +17,12 @@ import pytest
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.robot import Robot
-from abi.robot.urdf.robot_files import load_robot, robot_from_archive
+from abi.robot.urdf.robot_files import load_plain_robot, load_robot, robot_from_archive
 from abi.robot.urdf.urdf_files import description_of, files_of
 from abi.scene.scene import Scene, load_scene
 from tests.abi.robot.robots import arm, packed
 from tests.abi.robot.test_robot_files import SRDF, ball
+from tests.abi.robot.test_visuals import dae
 
 BOX = '<box size="0.1 0.1 0.3"/>'
 Files = dict[str, str | bytes]
@@ -350,6 +351,23 @@ def test_a_file_keeps_its_own_name_whatever_one_is_called_that_was_made_of_it() 
     files: Files = {"r.urdf": using("a.stl"), "a.stl": ball(2), "a.stl.plain.stl": ball(0)}
     for order in (files, dict(reversed(files.items()))):
         assert triangles(from_zip(order)) == triangles(from_zip({**files, "a.stl.plain.stl": b""}))
+
+
+def test_only_in_archives_of_the_program_are_its_names_for_what_it_converted_its_own() -> None:
+    files: Files = {
+        "z/package.xml": "<package><name>z</name></package>",
+        "z/r.urdf": using("package://z/a.dae"),
+        "z/a.dae.plain.stl": ball(2),
+        "notes.plain.txt": "Every mesh is exact.",
+    }
+    told = from_zip(files).notes
+    assert "notes.plain.txt says: Every mesh is exact." in told
+    assert "Taken for package://z/a.dae: z/a.dae.plain.stl." in told
+    del files["z/a.dae.plain.stl"], files["notes.plain.txt"]
+    sources = MeshSource({"r.zip": packed({**files, "z/a.dae": dae(0.3)})})
+    robot = load_plain_robot("r.zip", sources)
+    assert b"a.dae.plain.stl" in robot.archive
+    assert robot.notes == robot_from_archive(robot.archive).notes
 
 
 @pytest.mark.parametrize("scale", ["0 0 0", "1 1 0", "-0 1 1"])

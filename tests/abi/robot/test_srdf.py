@@ -76,8 +76,10 @@ def test_states_of_one_name_are_told_apart_by_their_groups() -> None:
     robot = with_srdf(
         '<group_state name="up" group="left"><joint name="p" value="0.5"/></group_state>',
         '<group_state name="up" group="right"><joint name="p" value="-0.5"/></group_state>',
+        '<group_state name="low" group="left"><joint name="p" value="9"/></group_state>',
         '<group_state name="low" group="left"><joint name="p" value="0"/></group_state>',
     )
+    assert "The last one counts where its SRDF has a state twice: low of left." in robot.notes
     found = {name: positions["p"] for name, positions in robot.states.items()}
     assert found == {"left/up": 0.5, "right/up": -0.5, "low": 0.0}
 
