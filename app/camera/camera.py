@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import viser
@@ -16,6 +15,7 @@ from abi.scene.scene import Scene
 from app.camera.extent import extent
 from app.camera.framing import Window, holds, lift, stand, widest
 from app.camera.prospect import USUAL, best_direction
+from app.camera.view import View
 from app.drawing.box import box_corners
 from app.ui.arm_size import oversize
 from app.ui.page_area import PageArea
@@ -35,55 +35,8 @@ _FOOT = 0.07
 """Radius of the arm's foot, as a part of the scene's size."""
 _TOLERANCE = 1e-3
 """Difference between the page's camera and ours, over the scene's size, that counts as unmoved."""
-_FARTHEST = 1e8
-"""Largest coordinate of a camera that is kept, [unit]: a hundred times that of a scene."""
-_NEAREST = 1e-7
-"""Least distance of its position and target, [unit]; about that between two numbers of that size,
-so that neither is rounded to the other while a camera moves there."""
-_LONGEST_UP = 1e6
-"""Largest length of an upward direction; its inverse is the least."""
 _REMEMBERED = 8
 """Number of our latest cameras that the page may still report."""
-
-
-@dataclass(frozen=True)
-class View:
-    """Camera of a tab, rounded: position, target, [unit], and the upward direction, world."""
-
-    position: tuple[float, ...]
-    target: tuple[float, ...]
-    up: tuple[float, ...]
-
-    @classmethod
-    def of(cls, numbers: object) -> View | None:
-        """Parse nine numbers into a view; None if nothing can be seen from it."""
-        try:
-            position, target, up = np.asarray(numbers, dtype=float).reshape(3, 3)
-        except (ValueError, TypeError, OverflowError):
-            return None
-        # not a number passes no comparison
-        if not np.abs([position, target]).max() <= _FARTHEST:
-            return None
-        if not np.linalg.norm(position - target) >= _NEAREST:
-            return None
-        if not 1 / _LONGEST_UP <= math.hypot(*up) <= _LONGEST_UP:
-            return None
-        return cls(_rounded(position), _rounded(target), _rounded(up))
-
-    @classmethod
-    def of_camera(cls, camera: viser.CameraHandle) -> View | None:
-        """Read the view of a page's camera; None if the page reports none."""
-        return cls.of([camera.position, camera.look_at, camera.up_direction])
-
-    def show(self, camera: viser.CameraHandle) -> None:
-        """Move a camera to this view."""
-        camera.up_direction = np.array(self.up)
-        camera.position = np.array(self.position)
-        camera.look_at = np.array(self.target)
-
-    def to_list(self) -> list[float]:
-        """The nine numbers."""
-        return [*self.position, *self.target, *self.up]
 
 
 class Viewpoint:
@@ -289,10 +242,6 @@ def look_at(
 def _depths(size: float) -> tuple[float, float]:
     """Distances, [unit], between which a scene of such a size, [unit], is drawn."""
     return size / 500, size * 50
-
-
-def _rounded(vector: FloatArray) -> tuple[float, ...]:
-    return tuple(float(f"{number:.6g}") for number in vector)
 
 
 def _outline(scene: Scene) -> FloatArray:

@@ -8,7 +8,8 @@ import viser
 from abi.arrays import FloatArray
 from abi.scene.scene import Scene
 from abi.search.replay import SearchState
-from app.camera.camera import View, aspect
+from app.camera.camera import aspect
+from app.camera.view import View
 from app.drawing.box import box_edges
 from app.drawing.lines import add_line, segments
 from app.drawing.obstacle_body import add_body

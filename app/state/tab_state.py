@@ -19,7 +19,7 @@ from abi.planner.remembered_call import RememberedCall
 from abi.scene.scene import Scene
 from abi.scene.scene_file import MAX_JSON_BYTES
 from abi.scene.without_obstacles import contacts_without, legs_without
-from app.camera.camera import View
+from app.camera.view import View
 from app.shared import mesh_store
 from app.state.known_legs import KnownLeg, as_data, legs_of
 

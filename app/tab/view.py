@@ -9,8 +9,9 @@ import viser
 
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app.camera.camera import View, Viewpoint
+from app.camera.camera import Viewpoint
 from app.camera.extent import extent
+from app.camera.view import View
 from app.drawing.box import box_corners
 from app.layers.catalogue import DETAILS, LAYERS, SLOW_LAYERS
 from app.layers.details import lagging
@@ -306,10 +307,7 @@ class TabView:
         if setting.scene is not None or cue.look:
             self.look_at(cue.scene, setting.camera is None)
         if setting.camera is not None:
-            camera = setting.camera
-            view = View.of([camera.position, camera.target, (0.0, 0.0, 1.0)])
-            if view is not None:
-                self.viewpoint.take(view)
+            self.viewpoint.take(setting.camera)
         if setting.time is not None or setting.play is not None:
             self.playback.restore(setting.time or 0.0, bool(setting.play))
 

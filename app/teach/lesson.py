@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, model_validator
 
 from abi.obstacles.pose import Vec3
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.search.compare import COMPARED
 from abi.teach.catalogue import exercises
+from app.camera.view import View
 from app.state.frame import Frame
 from app.teach.measures import MEASURES, names_in
 from app.theatre.searches import EDGES
-
-_NEAREST = 1e-3
-"""Least distance of a camera from its target, [unit]."""
 
 
 class _Part(BaseModel):
@@ -70,19 +67,6 @@ class Condition(_Part):
         return f"{self.measure} {now}, asked is {' and '.join(asked)}"
 
 
-class LessonCamera(_Part):
-    """Position of a camera and its target, [unit], world."""
-
-    position: Vec3
-    target: Vec3
-
-    @model_validator(mode="after")
-    def _looks_somewhere(self) -> Self:
-        if math.dist(self.position, self.target) < _NEAREST:
-            raise ValueError("a target apart from the position")
-        return self
-
-
 class SearchCue(_Part):
     """State of the search that is stepped through."""
 
@@ -103,6 +87,15 @@ class SearchCue(_Part):
         return self
 
 
+def _upright(camera: object) -> View:
+    """The view of a camera of a lesson, with z upwards."""
+    match camera:
+        case {"position": position, "target": target, **others} if not others:
+            if view := View.of([position, target, (0.0, 0.0, 1.0)]):
+                return view
+    raise ValueError("a position and a target apart from it, three numbers each")
+
+
 class Setting(_Part):
     """Settings of a step; only the given ones apply.
 
@@ -110,7 +103,7 @@ class Setting(_Part):
         scene: name of a shipped scene, or a scene file beside the lesson.
         change: fields of the scene to change after that.
         shown: layers to show; all others are hidden.
-        camera: where to look from.
+        camera: where to look from: in a file a position and a target, [unit], world.
         search: of the theatre.
         bend: displacements of the B-spline's control points, by their numbers, [unit].
         time: of the motion, [s]; it stands still there.
@@ -120,7 +113,7 @@ class Setting(_Part):
     scene: str | None = None
     change: dict[str, Any] | None = None
     shown: tuple[str, ...] | None = None
-    camera: LessonCamera | None = None
+    camera: Annotated[View, PlainValidator(_upright)] | None = None
     search: SearchCue | None = None
     bend: dict[int, Vec3] | None = None
     time: Annotated[float, Field(ge=0)] | None = None

@@ -11,9 +11,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from abi import load_scene
-from app.camera.camera import View, Viewpoint
+from app.camera.camera import Viewpoint
 from app.camera.extent import extent
 from app.camera.framing import Window, axes, covered, holds, stand, widest
+from app.camera.view import View
 from app.drawing.box import box_corners
 from app.stages.catalogue import SHOWN_STAGES
 from app.tab.session import Session

@@ -17,7 +17,7 @@ from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import load_scene, scene_names
 from abi.scene.scene_file import MAX_JSON_BYTES
-from app.camera.camera import View
+from app.camera.view import View
 from app.guard.guarded_server import MAX_MESSAGE
 from app.guard.values import MAX_TEXT
 from app.server.server import Server

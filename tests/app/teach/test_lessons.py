@@ -170,7 +170,7 @@ def test_a_teacher_adds_a_folder(tmp_path: Path) -> None:
         (
             SET,
             "set: {camera: {position: [1, 2, 3], target: [1, 2, 3]}}",
-            "own.yaml:5: page 1, set, camera: expected a target apart from the position",
+            "own.yaml:5: page 1, set, camera: expected a position and a target apart from it",
         ),
         ("text: Why?", "txt: Why?", "own.yaml:6: page 1, question, text: is missing. (1 more: "),
         ("title: Mine", "title: [", "own.yaml:4: Expected valid YAML: "),
