@@ -37,8 +37,7 @@ from app.panels.widgets import Wake, hidden_button
 from app.state.frame import Draw, Frame
 from app.state.tab_state import TabState
 from app.teach.challenge import parsed
-from app.teach.cue import Cue
-from app.teach.lesson import Library
+from app.teach.lesson import Library, Setting
 from app.ui import style
 from app.ui.arm_size import MADE_FOR_ARMS
 from app.ui.layout import Layout
@@ -260,19 +259,19 @@ class AllPanels:
         self.refused = error
         self.read_all()
 
-    def cue(self, scene: Scene) -> Cue | None:
-        """Setting of a lesson or a figure now, starting from ``scene``; None for none."""
+    def cue(self, scene: Scene) -> tuple[Setting, Scene] | None:
+        """Setting of a lesson or a figure now and its scene, from ``scene`` on; None for none."""
         return self.lessons.cue(scene) or self.figures.cue(scene) or self.practice.cue()
 
-    def follow(self, cue: Cue) -> None:
-        """Show the cue's scene, layers and search."""
-        self._write(cue.scene)
-        if cue.setting.shown is not None:
-            self.layer_switches.restore(frozenset(cue.setting.shown), None)
-        if cue.setting.search is not None:
-            self.theatre.set(**cue.setting.search.model_dump(exclude_none=True))
-        if cue.setting.bend is not None:
-            self.control.move(cue.setting.bend)
+    def follow(self, setting: Setting, scene: Scene) -> None:
+        """Show a scene, and a setting's layers and search."""
+        self._write(scene)
+        if setting.shown is not None:
+            self.layer_switches.restore(frozenset(setting.shown), None)
+        if setting.search is not None:
+            self.theatre.set(**setting.search.model_dump(exclude_none=True))
+        if setting.bend is not None:
+            self.control.move(setting.bend)
 
     def left(self) -> bool:
         """Check whether a lesson or the figures were left since the last call."""

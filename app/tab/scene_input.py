@@ -20,7 +20,7 @@ from app.tab.browser_storage import Report, TabStorage
 from app.tab.pause import Pause
 from app.tab.scene_memory import fitting_scene
 from app.tab.view import TabView
-from app.teach.cue import Cue
+from app.teach.lesson import Setting
 from app.ui import notices
 from app.ui.labels import sentence
 
@@ -84,7 +84,7 @@ class SceneInput:
         exercise = self._view.exercise
         written = None if exercise is None else exercise.cue()
         if (cue := self._panels.cue(self.scene) or written) is not None:
-            replaced |= self._follow(cue, time)
+            replaced |= self._follow(*cue, time)
         elif self._panels.left() or (exercise is not None and exercise.left()):
             before = self.scene
             self.scene = self._fitting(self._view.go_back(before))
@@ -152,14 +152,14 @@ class SceneInput:
         self._view.mirror(before, replace(view, scene=self.scene))
         return self.scene != before
 
-    def _follow(self, cue: Cue, time: float) -> bool:
+    def _follow(self, setting: Setting, scene: Scene, time: float) -> bool:
         """Show what a lesson or a figure sets; whether there is another scene to plan."""
         history = self._panels.history
         if not self._pause.demo.interrupted:
             history.note(self._panels.step(self.scene))
         own = replace(self.state(time), scene=history.noted)
-        before, self.scene = self.scene, self._fitting(cue.scene)
-        self._view.follow(replace(cue, scene=self.scene), own)
+        before, self.scene = self.scene, self._fitting(scene)
+        self._view.follow(setting, self.scene, own)
         return self.scene != before
 
     def _fitting(self, scene: Scene) -> Scene:

@@ -26,9 +26,8 @@ from app.state.legend import SHOWN
 from app.state.tab_state import TabState
 from app.tab.browser_storage import Report
 from app.teach.classroom import Classroom
-from app.teach.cue import Cue
 from app.teach.exercise_watch import ExerciseWatch
-from app.teach.lesson import Library
+from app.teach.lesson import Library, Setting
 from app.ui import notices
 from app.ui.page_area import Area, label_scale, shows_plots
 from app.ui.panel_folding import folding
@@ -294,18 +293,18 @@ class TabView:
         self.playback.follow(state.time, state.playing)
         self.panels.history.follow(before, self.panels.step(state.scene))
 
-    def follow(self, cue: Cue, before: TabState) -> None:
+    def follow(self, setting: Setting, scene: Scene, before: TabState) -> None:
         """Show what a lesson or a figure sets.
 
         Args:
-            cue: what it sets.
+            setting: layers, camera, search and time.
+            scene: that results from it.
             before: what is shown now, to which :meth:`go_back` leads unless an earlier one waits.
         """
         self._before = self._before or before
-        self.panels.follow(cue)
-        setting = cue.setting
-        if setting.scene is not None or cue.look:
-            self.look_at(cue.scene, setting.camera is None)
+        self.panels.follow(setting, scene)
+        if setting.scene is not None:
+            self.look_at(scene, setting.camera is None)
         if setting.camera is not None:
             self.viewpoint.take(setting.camera)
         if setting.time is not None or setting.play is not None:

@@ -100,7 +100,7 @@ class Setting(_Part):
     """Settings of a step; only the given ones apply.
 
     Attributes:
-        scene: name of a shipped scene, or a scene file beside the lesson.
+        scene: name of a shipped scene, or a scene file beside the lesson; the camera turns to it.
         change: fields of the scene to change after that.
         shown: layers to show; all others are hidden.
         camera: where to look from: in a file a position and a target, [unit], world.

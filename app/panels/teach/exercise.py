@@ -7,13 +7,13 @@ from collections.abc import Callable
 
 import viser
 
+from abi.scene.scene import Scene
 from abi.teach.catalogue import exercise
 from abi.teach.exercise import Counterexample
 from abi.teach.verdict import ExerciseVerdict
 from app.panels.teach.search_theatre import TheatrePanel
 from app.panels.widgets import Wake, pressed
 from app.state.frame import Frame
-from app.teach.cue import Cue
 from app.teach.exercise_watch import ExerciseWatch, Findings
 from app.teach.lesson import SearchCue, Setting
 from app.ui import style
@@ -51,7 +51,7 @@ class ExercisePanel:
         """Hear of the file no longer."""
         self._watch.leave(self._tab)
 
-    def cue(self) -> Cue | None:
+    def cue(self) -> tuple[Setting, Scene] | None:
         """The counterexample as a view, if it was asked for since the last call."""
         case = _case(self._watch.found)
         if not pressed(self.open) or case is None:
@@ -59,7 +59,7 @@ class ExercisePanel:
         self._shown = case
         self._theatre.compare(case.scene, case.steps, case.right_steps)
         search = SearchCue(on=bool(case.steps), step=case.parting + 1 if case.steps else None)
-        return Cue(Setting(shown=_SHOWN, search=search), case.scene, look=True)
+        return Setting(scene="counterexample", shown=_SHOWN, search=search), case.scene
 
     def left(self) -> bool:
         """Check whether the counterexample was left since the last call."""

@@ -13,9 +13,8 @@ from abi import assets
 from abi.scene.scene import Scene
 from app.panels.widgets import Wake, pressed
 from app.state.frame import Frame
-from app.teach.cue import Cue
 from app.teach.figures import figures
-from app.teach.lesson import scene_of
+from app.teach.lesson import Setting, scene_of
 from app.ui import style
 from app.ui.formulas import with_formulas
 from app.ui.table import table
@@ -63,14 +62,14 @@ class FiguresPanel:
         self.back.on_click(wake)
         self.reproduce.on_click(wake)
 
-    def cue(self, scene: Scene) -> Cue | None:
-        """The figure asked for since the last call; None for none."""
+    def cue(self, scene: Scene) -> tuple[Setting, Scene] | None:
+        """Setting and scene of the figure asked for since the last call; None for none."""
         if self._pressed is None:
             return None
         number, self._pressed = self._pressed, None
         figure = figures()[number]
         self.restore(number + 1)
-        return Cue(figure.set, scene_of(figure.set, scene, assets.path("scenes")))
+        return figure.set, scene_of(figure.set, scene, assets.path("scenes"))
 
     def left(self) -> bool:
         """Check whether the figures were left since the last call."""

@@ -15,7 +15,6 @@ from abi.scene.scene import Scene
 from app.panels.teach.exercise_start import add_exercise_buttons, send_asked
 from app.panels.widgets import Wake
 from app.state.frame import Frame
-from app.teach.cue import Cue
 from app.teach.lesson import (
     NO_LESSONS,
     AnswerChoice,
@@ -125,15 +124,15 @@ class LessonPanel:
         """Take over what was passed in tabs that are closed; its lesson goes on where it stood."""
         self._left = text
 
-    def cue(self, scene: Scene) -> Cue | None:
-        """Setting of the lesson now, starting from ``scene``; None where it sets nothing."""
+    def cue(self, scene: Scene) -> tuple[Setting, Scene] | None:
+        """Setting of the lesson now and its scene, from ``scene`` on; None for none."""
         self._take_presses()
         if self._cue is None:
             return None
         setting, self._cue = self._cue, None
         folder = self.progress.lessons[self.progress.name][1]
         try:
-            return Cue(setting, scene_of(setting, scene, folder))
+            return setting, scene_of(setting, scene, folder)
         except SceneError as error:
             notices.notify_refusal(self._client, "The lesson cannot change this", error.message)
             return None

@@ -8,11 +8,11 @@ from typing import Any
 
 import viser
 
+from abi.scene.scene import Scene
 from abi.teach.quiz.question import QuizQuestion
 from abi.teach.quiz.templates import templates
 from app.panels.widgets import Wake, pressed
 from app.state.frame import Frame
-from app.teach.cue import Cue
 from app.teach.lesson import Setting
 from app.teach.practice import MASTERY, Practice, decoded, quiz
 from app.ui import style
@@ -90,14 +90,14 @@ class PracticePanel:
         names = [name for name, box in self.asked.items() if box.value]
         return quiz(names or self.practice.chosen or templates())
 
-    def cue(self) -> Cue | None:
+    def cue(self) -> tuple[Setting, Scene] | None:
         """The scene of the question, if it was asked for since the last call."""
         self._take()
         asked = self.practice.question if pressed(self.look) else None
         if asked is None or asked.scene is None:
             return None
         self._shows = True
-        return Cue(Setting(shown=_SHOWN), asked.scene, look=True)
+        return Setting(scene="question", shown=_SHOWN), asked.scene
 
     def left(self) -> bool:
         """Check whether the scene of a question was left since the last call."""
