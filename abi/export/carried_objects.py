@@ -38,9 +38,7 @@ class CarriedObject(NamedTuple):
     @property
     def link(self) -> str:
         """Name of the link that stands for the object while it is held."""
-        held = self.arm.chain.robot.attached
-        assert held is not None
-        return held.link
+        return self.arm.chain.robot.attached
 
 
 def carried_objects(plan: Plan) -> Iterator[CarriedObject]:

@@ -17,7 +17,7 @@ from abi.obstacles.primitives import Box, Capsule, Sphere
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.urdf.joint import Joint
 from abi.robot.urdf.link import Link, LinkShape
-from abi.robot.urdf.robot import AttachedObject, Robot
+from abi.robot.urdf.robot import Robot
 
 STANDING = 1e-3
 """Distance by which an object is taken as smaller on each side, so that it may stand, [m]; a corner
@@ -77,7 +77,8 @@ def with_object(
         robot,
         links={**robot.links, name: link},
         joints=(*robot.joints, joint),
-        attached=AttachedObject(name, tip, (shape, metres, inset)),
+        attached=name,
+        attached_key=(tip, shape, metres, inset),
     )
 
 

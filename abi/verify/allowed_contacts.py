@@ -175,7 +175,7 @@ def are_joined(robot: Robot, chain: ExactChain, link: str, other: str) -> bool:
 
 
 def _is_held(robot: Robot, pair: set[str]) -> bool:
-    return robot.attached is not None and robot.attached.link in pair
+    return robot.attached in pair
 
 
 def _may_stand(

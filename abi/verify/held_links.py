@@ -50,7 +50,7 @@ def held_in_each_other(
     links, nor are they where a joint that is planned moves one beside the other.
     """
     carried, shaped = _carriers(scene, chain), _shaped(scene, chain)
-    attached = "" if scene.robot.attached is None else scene.robot.attached.link
+    attached = scene.robot.attached
     may_touch = {*scene.robot.may_touch, *map(frozenset, allowed)}
     may_touch |= {frozenset(one.ends) for one in scene.robot.couplings}
     found, left = [], []

@@ -138,7 +138,7 @@ def tree_reason(
     """
     robot, (first, second) = chain.robot, frames
     between = {*chain.behind(first)} ^ {*chain.behind(second)}
-    if robot.attached is not None and robot.attached.link in links:
+    if robot.attached in links:
         return None if between else "grasp"
     joined = not between or (len(between) == 1 and meet(robot, *links))
     return "adjacent" if joined else None

@@ -39,9 +39,7 @@ def capsules_of(chain: Chain, fits: Mapping[str, Fit]) -> tuple[Body, ...]:
 
 def has_own_shape(chain: Chain, bodies: Iterable[Body]) -> bool:
     """Check whether a link that moves has a body, other than the object that the robot holds."""
-    held = chain.robot.attached
-    own = (one.link for one in bodies if one.frame >= 0)
-    return any(held is None or link != held.link for link in own)
+    return any(one.frame >= 0 and one.link != chain.robot.attached for one in bodies)
 
 
 def carried_bodies(chain: Chain, link: str, bodies: Iterable[Body]) -> Iterator[Body]:

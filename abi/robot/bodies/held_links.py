@@ -66,9 +66,9 @@ def held_notes(
         is_let = not between or frozenset((first, second)) in may_touch
         if frames[first] != frames[second] or is_let:
             continue
-        if attached is not None and attached.link in (first, second):
-            other = first if second == attached.link else second
-            if groups[other][1:] == groups[attached.link]:
+        if attached in (first, second):
+            other = first if second == attached else second
+            if groups[other][1:] == groups[attached]:
                 continue  # as fingers, which what holds the object carries by one joint
         (low, high), (others_low, others_high) = bounds[first], bounds[second]
         if (low > others_high).any() or (others_low > high).any():

@@ -52,20 +52,6 @@ class Coupling(NamedTuple):
     limited: bool = False
 
 
-class AttachedObject(NamedTuple):
-    """An object held by a robot: a link that is in none of its files.
-
-    Attributes:
-        link: name of that link.
-        tip: name of the link that holds it.
-        key: what tells it from others: its shape and unit.
-    """
-
-    link: str
-    tip: str
-    key: Hashable
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Robot(ShortRepr):
     """A robot: links joined into a tree; compares by its files, its root and what it holds.
@@ -81,7 +67,9 @@ class Robot(ShortRepr):
         groups: names of joints that move together, by the names of groups in its SRDF.
         states: positions of joints within their limits, [rad] or [m], by the names that its SRDF
             gives them, such as ``home`` or ``open``, with those of groups where they need them.
-        attached: the object that it holds.
+        attached: name of the link that stands for the object that it holds, and that is in none of
+            its files; empty where it holds none.
+        attached_key: what tells that object, and how it is held, from others.
         couplings: loops and followers that ``<mimic>`` does not tell of.
     """
 
@@ -94,7 +82,8 @@ class Robot(ShortRepr):
     may_touch: frozenset[frozenset[str]] = frozenset()
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     states: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    attached: AttachedObject | None = None
+    attached: str = ""
+    attached_key: Hashable = None
     couplings: tuple[Coupling, ...] = ()
 
     def __post_init__(self) -> None:
@@ -108,9 +97,9 @@ class Robot(ShortRepr):
         return hashlib.sha256(self.archive).hexdigest()
 
     @property
-    def _key(self) -> tuple[bytes | int, str, AttachedObject | None]:
+    def _key(self) -> tuple[bytes | int, str, str, Hashable]:
         # without an archive nothing but itself says what it is
-        return self.archive or id(self), self.root, self.attached
+        return self.archive or id(self), self.root, self.attached, self.attached_key
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Robot) and self._key == other._key

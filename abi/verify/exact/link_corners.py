@@ -88,8 +88,7 @@ def check_lines(chain: ExactChain, robot: Robot, bodies: Mapping[str, Sequence[L
 
 def has_own_shape(chain: ExactChain, robot: Robot) -> bool:
     """Check whether a link that moves has a shape, other than the object that the robot holds."""
-    attached = None if robot.attached is None else robot.attached.link
-    moving = (name for name, frame in chain.frames.items() if frame >= 0 and name != attached)
+    moving = (name for name, frame in chain.frames.items() if frame >= 0 and name != robot.attached)
     return any(robot.links[name].shapes for name in moving)
 
 
