@@ -4,25 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 from abi.errors import StageError, format_length
-
-
-class LinkContact(NamedTuple):
-    """Contact of a link's given shapes where the convex pieces around them come too near.
-
-    Attributes:
-        touches: whether they touch the other.
-        depth: how far they are in it, at least, [unit].
-        distance: from it, at most, [unit], where they do not touch.
-        clearance: distance that is to be kept from it, [unit].
-    """
-
-    touches: bool
-    depth: float
-    distance: float
-    clearance: float
 
 
 def beyond_reach(
@@ -117,8 +100,7 @@ class ArmNotClear(StageError):
         obstacle: index of what it touches, from 0, or its name; None if out of reach.
         sentences: message to use instead of the one that follows from the other arguments.
         has_elbow: whether the branches are the two sides of an elbow.
-        why: why start or goal cannot be taken, with joint, limit or distance, as a predicate.
-        contact: whether the link itself touches that; None where it is not known.
+        why: clause on why start or goal cannot be taken, with joint, limit or distance.
 
     Attributes:
         explain: makes the error that tells what the link itself does, which takes a while; None
@@ -136,7 +118,6 @@ class ArmNotClear(StageError):
         sentences: str = "",
         has_elbow: bool = True,
         why: str = "",
-        contact: LinkContact | None = None,
     ) -> None:
         message = {
             "path": f"{branch}, no path was found that keeps the whole arm clear.",
@@ -145,12 +126,10 @@ class ArmNotClear(StageError):
         }.get(where)
         if message is None:
             fault = f"the arm cannot reach the {where} within its joint limits"
-            if why:
-                fault = f"the arm {why} at the {where}"
             if obstacle is not None:
                 # bodies of other arms than the paper's are a little larger than their links
-                fault = _touched(link, obstacle, contact, f" at the {where}", has_elbow)
-            message = f"{branch}, {fault}."
+                fault = touching(link, obstacle, None, at=f" at the {where}", exact=has_elbow)
+            message = f"{branch}, {why or fault}."
         other = "let the elbow be auto" if has_elbow else "leave the direction of the gripper free"
         super().__init__(
             "arm",
@@ -233,7 +212,8 @@ def no_joint_motion(
     obstacle: int | str | None = None,
     poses: int = 0,
     samples: int = 0,
-    contact: LinkContact | None = None,
+    gap: float | None = None,
+    clearance: float = 0.0,
 ) -> NoJointMotion:
     """Error if no motion was found in joint space, whatever the tool's direction.
 
@@ -243,7 +223,7 @@ def no_joint_motion(
         obstacle: index of what it touches, from 0, or its name.
         poses: number of poses that were tried there.
         samples: number of random positions that were searched towards.
-        contact: whether the link itself touches that; None where it is not known.
+        gap, clearance: of the link, as for :func:`touching`.
     """
     message = {
         "path": "No motion was found in the space of the joints, towards "
@@ -257,7 +237,7 @@ def no_joint_motion(
         if obstacle is not None:
             tried = "In the first of the" if poses > 1 else "In the"
             poses_there = f"{poses} poses found" if poses > 1 else "pose asked for"
-            touched = _touched(link, obstacle, contact)
+            touched = touching(link, obstacle, gap, clearance)
             message = f"{tried} {poses_there} at the {where} {touched}."
     hint = "Move an obstacle or the arm's base, or ask for another start or goal."
     return NoJointMotion(where, message, hint, obstacle)
@@ -296,28 +276,33 @@ def direction_not_held(
     return NoJointMotion(where, message, hint, kind=DIRECTION_NOT_HELD)
 
 
-def _touched(
-    link: str, obstacle: int | str, contact: LinkContact | None, at: str = "", exact: bool = False
+def touching(
+    link: str,
+    obstacle: int | str,
+    gap: float | None,
+    clearance: float = 0.0,
+    at: str = "",
+    exact: bool = False,
 ) -> str:
     """Clause on the link that is in the way at start or goal.
 
     Args:
         link: its name.
         obstacle: index of what it touches, from 0, or its name.
-        contact: of its shapes; None where that is not known.
+        gap: distance of its shapes from that, at most, or where they touch, at most 0, how far they
+            are in it, at least, as a negative number, [unit]; None where that is not known.
+        clearance: distance that is to be kept from obstacles, [unit].
         at: where that is, to stand behind the name of the obstacle.
-        exact: whether what is known without ``contact`` is of the link itself.
+        exact: whether what is known without ``gap`` is of the link itself.
     """
     name = f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else f"the {obstacle}"
     name, link = f"{name}{at}", f"the {link.replace('_', ' ')}"
-    if contact is None:
+    if gap is None:
         return f"{link} {'touches' if exact else 'may touch'} {name}"
-    if contact.touches:
-        deep = f", {format_length(contact.depth)} deep" if contact.depth > 0 else ""
+    if gap <= 0:
+        deep = f", {format_length(-gap)} deep" if gap < 0 else ""
         return f"{link} touches {name}{deep}"
-    away = f"{link} does not touch {name}"
-    if contact.distance < contact.clearance:
-        asked = f"the clearance is {format_length(contact.clearance)}"
-        return f"{away} but is at most {format_length(contact.distance)} from it, {asked}"
-    at_most = f", at most {format_length(contact.distance)} away" if contact.distance > 0 else ""
-    return f"{away}{at_most}, but the convex pieces that contain it come too near"
+    away, at_most = f"{link} does not touch {name}", f"at most {format_length(gap)}"
+    if isinstance(obstacle, int) and gap < clearance:
+        return f"{away} but is {at_most} from it, the clearance is {format_length(clearance)}"
+    return f"{away}, {at_most} away, but the convex pieces that contain it come too near"

@@ -12,7 +12,7 @@ from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.tool_poses import tool_poses
 from abi.arm_planning.motion.arm_clearance import named
 from abi.arm_planning.world.chain_distances import inside_meshes, obstacle_distances
-from abi.arm_planning.world.link_contact import link_contact
+from abi.arm_planning.world.link_contact import link_gap
 from abi.arrays import FloatArray
 from abi.curves.clearance.certificate import Refutation
 from abi.obstacles.pose import METRES, rotation
@@ -67,8 +67,8 @@ def clear_end_poses(
         assert first is not None
         pose, capsule, number = first
         pair = arm.capsule_links[capsule], named(number, arm)
-        contact = link_contact(arm, around, pose, pair, space.margin)
-        raise no_joint_motion(end, *pair, len(poses), contact=contact)
+        gap = link_gap(arm, around, pose, pair)
+        raise no_joint_motion(end, *pair, len(poses), gap=gap, clearance=space.margin)
     return np.array(kept)
 
 

@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
-from abi.arm_planning.arm_errors import ArmNotClear
+from abi.arm_planning.arm_errors import ArmNotClear, touching
 from abi.arm_planning.branch.arm_branch import ArmBranch
 from abi.arm_planning.branch.arm_path import REFINEMENTS, fit_clear, pull_clear, search_clear
 from abi.arm_planning.branch.branch_memory import BranchMemory
@@ -213,16 +213,18 @@ class WholeArmBranch(Branch):
             return fault
         scene, where = self.problem.scene, fault.where
         point = np.array(scene.start if where == "start" else scene.goal)
-        pair = fault.link, fault.obstacle
-        contact = self.arm_branch.link_contact(point, pair)
-        return ArmNotClear(fault.branch, where, *pair, has_elbow=fault.has_elbow, contact=contact)
+        pair, branch = (fault.link, fault.obstacle), self.arm_branch
+        gap, at = branch.link_gap(point, pair), f" at the {where}"
+        why = touching(*pair, gap, branch.clearance, at, fault.has_elbow)
+        return ArmNotClear(fault.branch, where, *pair, has_elbow=fault.has_elbow, why=why)
 
     def _not_clear_at(self, end: str, point: FloatArray, fault: Refutation) -> ArmNotClear:
         """Error for a fault at start or goal, a point (3,)."""
         arm, branch = self.problem.model.arm, self.arm_branch.name
         link, obstacle = _named(fault, arm)
         if obstacle is None:
-            why = self.arm_branch.unreached(point)
+            unreached = self.arm_branch.unreached(point)
+            why = f"the arm {unreached} at the {end}" if unreached else ""
             return ArmNotClear(branch, end, has_elbow=arm.has_elbow, why=why)
         return ArmNotClear(branch, end, link, obstacle, has_elbow=arm.has_elbow)
 

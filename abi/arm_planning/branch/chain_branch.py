@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.arm_errors import LinkContact, beyond_reach
+from abi.arm_planning.arm_errors import beyond_reach
 from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.branch.segment_memory import SegmentMemory
 from abi.arm_planning.certificates.chain_certificate import MOST_TRIES as CURVE_TRIES
@@ -21,7 +21,7 @@ from abi.arm_planning.exclusion.touching import touching
 from abi.arm_planning.motion.urdf_motion import ChainJointPath, joint_path_from
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.collision_world_kernels import Obstacles
-from abi.arm_planning.world.link_contact import link_contact
+from abi.arm_planning.world.link_contact import link_gap
 from abi.arrays import BoolArray, FloatArray, read_only
 from abi.curves.clearance.certificate import Refutation
 from abi.curves.curve import ArcLength, Curve
@@ -90,11 +90,11 @@ class ChainBranch:
         """Why the arm is not clear along a polyline (k, 3), [unit]; parameter k is its vertex k."""
         return self._examined(arguments.polyline("points", points), None)[1]
 
-    def link_contact(self, point: FloatArray, pair: tuple[str, int | str]) -> LinkContact | None:
-        """Whether the first of a pair itself touches the other at a point (3,), [unit]."""
+    def link_gap(self, point: FloatArray, pair: tuple[str, int | str]) -> float | None:
+        """Distance of the first of a pair itself from the other at a point (3,), [unit]."""
         point = arguments.numbers("point", point, (3,))
         _, joints, _ = self._follow_polyline(np.stack([point, point]), None)
-        return link_contact(self.arm, self.collision_world, joints[-1], pair, self.clearance)
+        return link_gap(self.arm, self.collision_world, joints[-1], pair)
 
     def unreached(self, point: FloatArray) -> str:
         """Why the arm does not reach a point (3,), [unit], world, as a predicate; else empty."""

@@ -116,7 +116,7 @@ class ElbowBranch:
         decided = status in (REFUTED, UNREACHED)
         return Refutation(at, int(self.collision_world.numbers[row]), decided, capsule)
 
-    def link_contact(self, point: FloatArray, pair: tuple[str, int | str]) -> None:
+    def link_gap(self, point: FloatArray, pair: tuple[str, int | str]) -> None:
         """None, as the bodies are the links' own shapes."""
 
     def unreached(self, point: FloatArray) -> str:

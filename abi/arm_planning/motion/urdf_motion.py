@@ -35,7 +35,7 @@ from abi.arm_planning.world.chain_distances import (
     own_distances,
 )
 from abi.arm_planning.world.collision_world import FLOOR, OWN, CollisionWorld
-from abi.arm_planning.world.link_contact import are_apart, link_contact
+from abi.arm_planning.world.link_contact import are_apart, link_gap
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.curves.cubic_profile import PathProfile
 from abi.curves.curve import ArcLength, Curve
@@ -220,11 +220,11 @@ def _decided(
     """A contact of a link's bodies, decided by its given shapes at that time."""
     pose = motion.positions[int(np.searchsorted(motion.time, contact.time))]
     pair = contact.link, contact.obstacle
-    exact = link_contact(arm, collision_world, pose, pair, 0.0)
-    if exact is None:
+    gap = link_gap(arm, collision_world, pose, pair)
+    if gap is None:
         return contact
-    if exact.touches:
-        return contact._replace(depth=exact.depth, certain=True)
+    if gap <= 0:
+        return contact._replace(depth=-gap, certain=True)
     return contact._replace(apart=True)
 
 

@@ -7,7 +7,6 @@ from functools import lru_cache
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.arm_errors import LinkContact
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.robot.bodies.chain_capsules import meeting
@@ -17,28 +16,26 @@ from abi.robot.urdf_arm import UrdfArm
 
 _Pose = tuple[FloatArray, FloatArray]
 """Rotation (3, 3) and origin (3,), [unit]."""
+_APART = 1e-12
+"""Least distance of what does not touch, however near it is by rounding, [unit]."""
 _MOST = 20_000
 """Most triangles of a link that are compared; more would take seconds."""
 
 
-def link_contact(
-    arm: UrdfArm,
-    around: CollisionWorld,
-    pose: FloatArray,
-    pair: tuple[str, int | str],
-    clearance: float,
-) -> LinkContact | None:
-    """Decide whether a link touches what one of its bodies comes too near to.
+def link_gap(
+    arm: UrdfArm, around: CollisionWorld, pose: FloatArray, pair: tuple[str, int | str]
+) -> float | None:
+    """Distance of a link from what one of its bodies comes too near to, [unit].
 
-    Of links without shapes, and of those with very many triangles, that is not decided: the result
-    is None.
+    It is above 0, and at least their distance, where they do not touch; otherwise it is how far the
+    link is in the other, at least, as a negative number, or 0. Of links without shapes, and of
+    those with very many triangles, that is not decided: the result is None.
 
     Args:
         arm: the arm.
         around: obstacles and floor.
         pose: joint positions, (n,), [rad] or [unit].
         pair: name of the link, and number of an obstacle, name of another link, or ``floor``.
-        clearance: distance that it is to keep from obstacles, [unit].
     """
     pose = arguments.numbers("pose", pose, arm.scales.shape)
     link, other = pair
@@ -46,29 +43,24 @@ def link_contact(
         return None
     compile_kernels()
     if isinstance(other, str) and other != "floor":
-        return _own_contact(arm, link, other, pose[_between(arm, link, other)].tobytes())
+        return _own_gap(arm, link, other, pose[_between(arm, link, other)].tobytes())
     placed, solids = _placed(arm, link, _frames(arm, pose)), _solids(arm, link)
     if isinstance(other, str):
-        height = solids.lowest(*placed) - around.floor
-        return LinkContact(height <= 0, max(-height, 0.0), height, 0.0)
-    return _contact(LinkSolids((around.obstacles[other],)), solids, placed, clearance)
+        return solids.lowest(*placed) - around.floor
+    return _gap(LinkSolids((around.obstacles[other],)), solids, placed)
 
 
-def _contact(
-    beside: LinkSolids, solids: LinkSolids, placed: _Pose, clearance: float
-) -> LinkContact:
-    """Contact of a link with another body, in whose frame it is placed."""
+def _gap(beside: LinkSolids, solids: LinkSolids, placed: _Pose) -> float:
+    """Distance of a link from another body, in whose frame it is placed, as of a pair."""
     both = beside, solids, *placed
-    if touch(*both):
-        return LinkContact(True, depth(*both), 0.0, clearance)
-    return LinkContact(False, 0.0, distance(*both), clearance)
+    return -depth(*both) if touch(*both) else max(distance(*both), _APART)
 
 
 @lru_cache(maxsize=256)
-def _own_contact(arm: UrdfArm, link: str, other: str, between: bytes) -> LinkContact:
-    """Contact of two links, by the positions of the joints between them; cached."""
+def _own_gap(arm: UrdfArm, link: str, other: str, between: bytes) -> float:
+    """Distance of two links, by the positions of the joints between them; cached."""
     beside = _beside(arm, link, other, between)
-    return _contact(_solids(arm, other), _solids(arm, link), beside, 0.0)
+    return _gap(_solids(arm, other), _solids(arm, link), beside)
 
 
 @lru_cache(maxsize=1024)
@@ -102,7 +94,7 @@ def _beside(arm: UrdfArm, link: str, other: str, between: bytes) -> _Pose:
 
 
 def are_apart(arm: UrdfArm, pose: FloatArray, link: str, other: str) -> bool:
-    """Whether two links are known to be apart, as :func:`link_contact` decides it.
+    """Whether two links are known to be apart, as :func:`link_gap` decides it.
 
     Args:
         arm: the arm.

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from abi.arm_planning.world.arm_worlds import chain_world
-from abi.arm_planning.world.link_contact import are_apart, link_contact
+from abi.arm_planning.world.link_contact import are_apart, link_gap
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Sphere
@@ -57,16 +57,15 @@ def test_a_link_touches_a_ball_where_a_point_of_it_is_in_the_ball() -> None:
             ball = Sphere(radius=radius, position=tuple(centre.tolist()))
             obstacles = ObstacleSet((ball,))
             around = chain_world(arm, obstacles, -1e3)
-            found = link_contact(arm, around, pose, (link, 0), 0.0)
+            found = link_gap(arm, around, pose, (link, 0))
             assert found is not None
             gap, slack = float(surface.query(centre)[0]) - radius, _SPACING / arm.metres
-            assert found.touches or gap > -1e-9
-            if found.touches:
+            assert found <= 0 or gap > -1e-9
+            if found <= 0:
                 seen.add(True)
-                assert found.depth >= 0
             elif gap > slack:
                 seen.add(False)
-                assert found.distance >= gap - slack
+                assert found >= gap - slack
     assert seen == {True, False}
 
 
@@ -77,14 +76,14 @@ def test_two_links_are_as_far_apart_as_their_points_whatever_other_joints_do() -
     low, high = arm.chain.usual_range().T
     for pose in random.uniform(low, high, (2, len(low))) * arm.scales:
         pair = "forearm_link", "wrist_3_link"
-        found = link_contact(arm, around, pose, pair, 0.0)
+        found = link_gap(arm, around, pose, pair)
         assert found is not None
-        assert found.touches != are_apart(arm, pose, *pair)
+        assert (found <= 0) != are_apart(arm, pose, *pair)
         surface, points = (surface_points(arm, link, pose) for link in pair)
         gap = float(scipy.spatial.cKDTree(surface).query(points)[0].min())
-        if not found.touches:
+        if found > 0:
             apart += 1
-            assert abs(found.distance - gap) < 2 * _SPACING / arm.metres
+            assert abs(found - gap) < 2 * _SPACING / arm.metres
     assert apart
 
 
