@@ -8,18 +8,19 @@ from typing import Any
 
 import viser
 
-from abi.obstacles.pose import METRES, UNTURNED, Quaternion
+from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.held_joints import NOT_HELD, planned_sentence
 from abi.robot.urdf.robot import Robot, bases_to, part_from
 from abi.robot.urdf.robot_files import SHIPPED, load_robot
 from abi.robot.urdf.usual_tip import usual_tip
+from abi.scene.held_axis import HeldAxis, plain_axis
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import contacts_without
 from app.panels.files.file_uploads import FileUploads
 from app.panels.files.upload_job import UploadJob
 from app.panels.stages.gripper import GripperPanel
-from app.panels.stages.tool_direction import ToolDirectionPanel
+from app.panels.stages.tool_direction import DIRECTIONS, add_direction, shown_axis, typed_axis
 from app.panels.widgets import Wake
 from app.reading.reader import READER
 from app.ui import notices
@@ -74,7 +75,7 @@ class ArmModelPanel:
             hint="The link that stands at the base; what does not hang from it is left out.",
             visible=False,
         )
-        self.axis = ToolDirectionPanel(gui, wake)
+        self.direction, self.within, self.part = add_direction(gui)
         self.mount = gui.add_dropdown(
             "stands",
             tuple(_MOUNTS),
@@ -86,13 +87,14 @@ class ArmModelPanel:
         self._kept = _OF_ONE_ARM
         self._kept_of: tuple[str, str, str] | None = None
         self._scene_mount: Quaternion = UNTURNED
+        self._axis: Vec3 | HeldAxis | None = None
         self._tips_of: str | None = None
         self._unnamed_tip: tuple[str, str] | None = None
         self._unnamed_base: str | None = None
         self._bases_of: tuple[str, str] | None = None
         self._unit = "m"
         self._of_urdf = self.tip, self.base_link, self.mount
-        for handle in (self.model, *self._of_urdf):
+        for handle in (self.model, *self._of_urdf, self.direction, self.within, self.part):
             handle.on_update(wake)
 
     @property
@@ -132,11 +134,19 @@ class ArmModelPanel:
             "urdf": name,
             "tip": None if (tip, base) == self._unnamed_tip else tip,
             "base_link": None if base == self._unnamed_base else base,
-            "axis": self.axis.read(),
+            "axis": self._read_axis(),
             "base_wxyz": mount,
             **self._kept,
             "gripper": self.gripper.read(),
         }
+
+    def _read_axis(self) -> Any:
+        """The field ``arm.axis`` as typed: the scene's own while nothing has changed."""
+        shown = shown_axis(self._axis)
+        first, last = self.part.value
+        direction = DIRECTIONS.get(self.direction.value, shown[0])
+        typed = direction, self.within.value, (first, last)
+        return plain_axis(self._axis) if typed == shown else typed_axis(*typed)
 
     def forget_obstacle(self, number: int) -> None:
         """Let contacts refer to the same obstacles as before obstacle ``number`` was deleted."""
@@ -163,8 +173,11 @@ class ArmModelPanel:
         self._scene_mount = arm.base_wxyz
         self._show_gripper(arm.urdf, arm.gripper)
         self._kept = {name: getattr(arm, name) for name in _OF_ONE_ARM}
-        self.axis.write(arm.axis)
         _choose(self.mount, _MOUNTS, arm.base_wxyz)
+        self._axis = arm.axis
+        direction, self.within.value, self.part.value = shown_axis(arm.axis)
+        _choose(self.direction, DIRECTIONS, direction)
+        self._show(True)
 
     def _name(self) -> str | None:
         """Name in the scene of the arm that is chosen; None for the paper's."""
@@ -195,7 +208,10 @@ class ArmModelPanel:
         """Show or hide what only a URDF has."""
         for handle in self._of_urdf:
             handle.visible = shown
-        self.axis.show(shown)
+        # an angle means nothing without a direction, and a part of the time none without an angle
+        points = shown and self.direction.value != "any"
+        self.direction.visible, self.within.visible = shown, points
+        self.part.visible = points and self.within.value != 0
         self.gripper.show(shown)
 
     def _list_tips(self, name: str, tip: str | None, base: str | None = None) -> None:

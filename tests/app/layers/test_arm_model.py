@@ -62,7 +62,7 @@ def test_an_arm_is_chosen_drawn_and_left(tab: tuple[FakeTab, Session]) -> None:
     assert session.panels.read(session.plan.scene) == session.plan.scene
     assert panel(session).model.model.value == "UR5e"
     assert panel(session).model.tip.value == "tool0"
-    assert panel(session).model.axis.direction.value == "down"
+    assert panel(session).model.direction.value == "down"
     assert not panel(session).links.visible
     assert drawn._nodes.root.name == "/robot"
     assert drawn._nodes.root.visible
@@ -279,7 +279,7 @@ def test_an_arm_of_another_size_than_the_scene_says_so(
     until(lambda: "This arm is too large for the scene" in shown["message"])  # out of reach
     assert "kitchen-ur5e" in shown["message"]
     assert "Find a base" not in shown["message"]
-    fake.set(panel(session).model.axis.direction, "any")
+    fake.set(panel(session).model.direction, "any")
     until(lambda: session.frame.plan.scene.arm.axis is None)
     until(lambda: "This arm is too large for the scene" in shown.get("contact", ""))
     # one step to the scene that is made for it, and one back

@@ -29,7 +29,7 @@ def test_joints_are_typed_shown_kept_and_left_once_their_end_is_moved(
     until(lambda: session.plan is not None and isinstance(session.plan.arm, UrdfArm))
     until(lambda: session.resting)
     assert not ends(session)["start"].value
-    fake.set(session.panels.stages.arm.model.axis.direction, "any")
+    fake.set(session.panels.stages.arm.model.direction, "any")
     until(lambda: session.plan is not None and session.plan.scene.arm.axis is None)
 
     fake.set(ends(session)["start"], JOINTS)
@@ -61,7 +61,7 @@ def test_text_is_joints_a_state_or_nothing(tab: tuple[FakeTab, Session]) -> None
     fake.set(session.panels.files.choice, "kitchen-ur5e")
     until(lambda: session.plan is not None and isinstance(session.plan.arm, UrdfArm))
     until(lambda: session.resting)
-    fake.set(session.panels.stages.arm.model.axis.direction, "any")
+    fake.set(session.panels.stages.arm.model.direction, "any")
     until(lambda: session.plan is not None and session.plan.scene.arm.axis is None)
     box = ends(session)["goal"]
     for text, read in (

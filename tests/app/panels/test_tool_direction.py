@@ -9,14 +9,14 @@ import pytest
 from abi.arm_planning.joint_search.held_span import HeldSpan
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.held_axis import HeldAxis
-from app.panels.stages.tool_direction import ToolDirectionPanel
+from app.panels.stages.arm_model import ArmModelPanel
 from app.tab.session import Session
 from app.ui.time_bar import bar_style
 from tests.app.fake_tab import FakeTab, until
 
 
-def panel(session: Session) -> ToolDirectionPanel:
-    return session.panels.stages.arm.model.axis
+def panel(session: Session) -> ArmModelPanel:
+    return session.panels.stages.arm.model
 
 
 @pytest.mark.slow
@@ -45,11 +45,11 @@ def test_an_angle_and_a_part_are_set_kept_and_left_with_the_arm(
 
     # what is shown is rounded, what is kept is not
     scene = plan.scene.replace(arm={"axis": {**held.model_dump(), "tolerance": 0.1234567}})
-    box.write(scene.arm.axis)
+    box.write(scene)
     assert session.panels.read(scene) == scene
-    assert HeldAxis.model_validate(box.read()) == scene.arm.axis
+    assert HeldAxis.model_validate(box.read()["axis"]) == scene.arm.axis
 
-    fake.set(session.panels.stages.arm.model.model, "the paper's arm")
+    fake.set(box.model, "the paper's arm")
     until(lambda: session.plan is not None and session.plan.scene.arm.model == "abi")
     assert session.panels.refused is None
     assert session.plan is not None
