@@ -30,7 +30,7 @@ from abi.tet_mesh.adjacency_kernels import (
     half_cells_within,
     row_place,
 )
-from abi.tet_mesh.lattice_exclusion_kernels import Found, PrimitiveBody, exclusion_of_lattice
+from abi.tet_mesh.lattice_exclusion_kernels import Found, exclusion_of_lattice
 
 
 @compiled(example=(NO_ADJACENCY, IDS, FLOATS, 0.0, 1.0))
@@ -51,9 +51,8 @@ def exclusion(
         that lose edges to others that are not excluded, and the bits of these edges (m,); of rows
         all edges that nodes lose, and 0.
     """
-    body = PrimitiveBody(axes_of(solid, 0), core_of(solid, 0), centre_of(solid, 0), margin)
     if adjacency.shape.kind == CSR:
-        return _exclusion_of_rows(adjacency, body, reach)
+        return _exclusion_of_rows(adjacency, solid, margin, reach)
     limit = margin + reach
     low = (solid[17] - limit, solid[18] - limit, solid[19] - limit)
     high = (solid[20] + limit, solid[21] + limit, solid[22] + limit)
@@ -61,14 +60,16 @@ def exclusion(
         half_cells_within(adjacency.shape, adjacency.places, low, high, 0),
         half_cells_within(adjacency.shape, adjacency.places, low, high, 1),
     )
-    return exclusion_of_lattice(adjacency, open_directions, body, reach, windows)
+    return exclusion_of_lattice(adjacency, open_directions, solid, margin, reach, windows)
 
 
 @jitable
-def _exclusion_of_rows(adjacency: Adjacency, body: PrimitiveBody, reach: float) -> Found:
+def _exclusion_of_rows(
+    adjacency: Adjacency, solid: FloatArray, margin: float, reach: float
+) -> Found:
     """Nodes of a mesh of rows that a primitive excludes; every node is tested."""
     shape, _, _, places, indptr, indices = adjacency
-    axes, core, centre, margin = body
+    axes, core, centre = axes_of(solid, 0), core_of(solid, 0), centre_of(solid, 0)
     nodes = shape.nodes
     limit = margin + reach
     starts = np.empty(nodes, np.int32)

@@ -7,8 +7,6 @@ capsule or a sphere has no thickness, so nothing lies above its sides.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray
@@ -16,6 +14,9 @@ from abi.compilation.jitable import jitable
 from abi.obstacles.primitive_kernels import (
     Axes,
     Core,
+    axes_of,
+    centre_of,
+    core_of,
     in_body,
     segment_within,
     signed_distance,
@@ -109,27 +110,12 @@ _ROUNDING = 1e-9  # of a step: what is nearer to a limit than this is looked at
 Found = tuple[IntArray, IntArray, IntArray, IntArray]
 
 
-class PrimitiveBody(NamedTuple):
-    """A convex primitive: its axes and core, and the margin around it.
-
-    Attributes:
-        axes: the body's axes.
-        core: half sizes, radius and kind.
-        centre: [unit], world.
-        margin: what is nearer than this is excluded, [unit].
-    """
-
-    axes: Axes
-    core: Core
-    centre: Vec3
-    margin: float
-
-
 @jitable
 def exclusion_of_lattice(
     adjacency: Adjacency,
     open_directions: IntArray,
-    body: PrimitiveBody,
+    solid: FloatArray,
+    margin: float,
     reach: float,
     windows: tuple[tuple[Span, Span, Span], tuple[Span, Span, Span]],
 ) -> Found:
@@ -140,7 +126,7 @@ def exclusion_of_lattice(
     that remains so.
     """
     shape, places = adjacency.shape, adjacency.places
-    axes, core, centre, margin = body
+    axes, core, centre = axes_of(solid, 0), core_of(solid, 0), centre_of(solid, 0)
     y0, z0 = y_and_z_origins(shape)
     nx, ny, nz, directions = 2 * shape.nx, 2 * shape.ny, 2 * shape.nz, shape.directions
     limit = margin + reach
@@ -177,7 +163,7 @@ def exclusion_of_lattice(
                             starts[runs], lengths[runs] = line + (c >> 1), 0
                             runs += 1
                             fresh = False
-                        more = min(_nodes_inside(body, p, away, r, step), (c1 - c) >> 1) + 1
+                        more = min(_nodes_inside(core, margin, p, away, r, step), (c1 - c) >> 1) + 1
                         lengths[runs - 1] += more
                         c += 2 * more
                         continue
@@ -198,7 +184,9 @@ def exclusion_of_lattice(
                             continue
                     node = line + (c >> 1)
                     near = (node, open_directions[node], (a, b, c), p, away, outward)
-                    count = _cut_edges(adjacency, body, near, edges, cut_nodes, cut_bits, count)
+                    count = _cut_edges(
+                        adjacency, solid, margin, near, edges, cut_nodes, cut_bits, count
+                    )
                     c += 2
     return starts[:runs], lengths[:runs], cut_nodes[:count], cut_bits[:count]
 
@@ -243,18 +231,19 @@ def _reach_aside(edges: FloatArray, reach: float) -> Aside:
 
 
 @jitable
-def _nodes_inside(body: PrimitiveBody, p: Vec3, away: float, r: Vec3, step: float) -> int:
+def _nodes_inside(core: Core, margin: float, p: Vec3, away: float, r: Vec3, step: float) -> int:
     """Number of nodes after an excluded one along z that are certain to be excluded, too."""
-    many = (body.margin - away) / step
-    if body.core.is_cylinder == 0:
-        many = max(many, stretch_in(body.core, body.margin, p, r))
+    many = (margin - away) / step
+    if core.is_cylinder == 0:
+        many = max(many, stretch_in(core, margin, p, r))
     return max(int(many - _ROUNDING), 0)
 
 
 @jitable(forceinline=True)
 def _cut_edges(
     adjacency: Adjacency,
-    body: PrimitiveBody,
+    solid: FloatArray,
+    margin: float,
     near: tuple[int, int, tuple[int, int, int], Vec3, float, Vec3],
     edges: FloatArray,
     cut_nodes: IntArray,
@@ -267,7 +256,8 @@ def _cut_edges(
 
     Args:
         adjacency: the lattice.
-        body: the primitive.
+        solid: (TREE,) row of the primitive.
+        margin: what is nearer than this is excluded, [unit].
         near: the node, its directions that exist as bits, and its place in half cells; the place in
             the body's axes, [unit]; and its signed distance, [unit], with the gradient of that.
         edges: (3 d,) see ``_edges_in_body``.
@@ -279,7 +269,7 @@ def _cut_edges(
         How many there are then.
     """
     shape, _, steps, places, _, _ = adjacency
-    axes, core, centre, margin = body
+    axes, core, centre = axes_of(solid, 0), core_of(solid, 0), centre_of(solid, 0)
     node, bits, (a, b, c), p, away, outward = near
     y0, z0 = y_and_z_origins(shape)
     cross = shape.cross
