@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray, read_only
 from abi.robot.bodies import body_store, link_poses, link_solids, solid_contact
 from abi.robot.bodies.link_poses import relative_poses
@@ -74,6 +75,8 @@ def touch_in_all(one: Link, other: Link, turned: FloatArray, moved: FloatArray) 
         turned: its rotations in the frame of the first, (k, 3, 3).
         moved: its origins there, (k, 3), [m].
     """
+    turned = arguments.numbers("turned", turned, (-1, 3, 3))
+    moved = arguments.numbers("moved", moved, (len(turned), 3))
     shapes = (*one.shapes, *other.shapes)
     code = (__file__, link_poses.__file__, solid_contact.__file__, link_solids.__file__)
     key = f"{body_store.key_of(shapes, code)} {len(one.shapes)}"
