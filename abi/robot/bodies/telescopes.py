@@ -10,9 +10,8 @@ between the planes, such as the bottom of a tube, is before or behind the way.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -31,27 +30,6 @@ _HALVINGS, _WIDEST = 10, 0.1
 """Halvings of the distance from a link that slides, and its largest, over the size of that link."""
 
 
-class _Slide(NamedTuple):
-    """A piece of a link that slides beside another, in the frame of that one.
-
-    Attributes:
-        direction: of the slide, (3,), of two opposite ones always the same.
-        points: its corners at one place, (k, 3), [m].
-        low, high: how far it moves from there, [m].
-    """
-
-    direction: FloatArray
-    points: FloatArray
-    low: float
-    high: float
-
-    @property
-    def span(self) -> tuple[float, float]:
-        """Where it gets to along the direction, at the least and at most, [m]."""
-        along = self.points @ self.direction
-        return float(along.min()) + self.low, float(along.max()) + self.high
-
-
 def open_bodies(chain: Chain) -> dict[str, tuple[Body, ...]]:
     """Bodies of the links into which others slide, by their names."""
     return _open_bodies(chain.robot, chain.names, tuple(chain.held.items()))
@@ -67,18 +45,23 @@ def _open_bodies(
     if np.count_nonzero(chain.table.slides) < 2:
         return found
     for outer in chain.frames:
-        link, slides = robot.links[outer], [*_slides_beside(chain, outer)]
-        if not link.shapes or not slides:
+        link, (direction, pieces) = robot.links[outer], _sliding_beside(chain, outer)
+        if not link.shapes or not pieces:
             continue
-        way = _way_into(triangles_of(link), slides)
+        way = _way_into(triangles_of(link), direction, pieces)
         if way is not None:
             found[outer] = bodies_beside(link, way)
     return found
 
 
-def _slides_beside(chain: Chain, outer: str) -> Iterator[_Slide]:
-    """Pieces of links that two slides or more, all in one direction, move beside another."""
-    table = chain.table
+def _sliding_beside(chain: Chain, outer: str) -> tuple[FloatArray, list[FloatArray]]:
+    """Pieces of links that two slides or more, all in one direction, move beside another.
+
+    Returns:
+        That direction (3,), and the corners (2, k, 3) of each piece at both ends of its slide, [m],
+        in the frame of the other; of pieces that slide in several directions, those of the first.
+    """
+    table, direction, found = chain.table, np.zeros(3), list[FloatArray]()
     frames = chain.poses(np.zeros((1, len(chain.names))))[0]
     (turn, origin), behind = _placed(chain, frames, outer), {*chain.behind(chain.frames[outer])}
     for inner, frame in chain.frames.items():
@@ -93,12 +76,16 @@ def _slides_beside(chain: Chain, outer: str) -> Iterator[_Slide]:
         rates = np.zeros(len(chain.names))
         for k, rate in zip(between, axes @ along * table.factor[between], strict=True):
             rates[table.source[k]] += -rate if k in behind else rate
-        ends = rates[:, None] * chain.limits
+        way = turn.T @ along
+        if found and np.abs(way - direction).max() > _PARALLEL:
+            continue
+        direction, ends = direction if found else way, rates[:, None] * chain.limits
         turned, moved = _placed(chain, frames, inner)
         low, high = ends.min(axis=1).sum(), ends.max(axis=1).sum()
         for piece in link_bodies(chain.robot.links[inner]):
             points = (piece.points @ turned.T + moved - origin) @ turn
-            yield _Slide(turn.T @ along, points, float(low), float(high))
+            found.append(np.stack([points + low * way, points + high * way]))
+    return direction, found
 
 
 def _placed(chain: Chain, frames: FloatArray, link: str) -> tuple[FloatArray, FloatArray]:
@@ -110,31 +97,39 @@ def _placed(chain: Chain, frames: FloatArray, link: str) -> tuple[FloatArray, Fl
     return frame[:, :3] @ turn, frame[:, :3] @ place + frame[:, 3]
 
 
-def _way_into(triangles: FloatArray, slides: Sequence[_Slide]) -> OpenWay | None:
-    """The way of as many links as slide into triangles (n, 3, 3); None where none does."""
+def _way_into(
+    triangles: FloatArray, direction: FloatArray, pieces: Sequence[FloatArray]
+) -> OpenWay | None:
+    """The way of as many pieces as slide into triangles (n, 3, 3); None where none does.
+
+    Args:
+        triangles: corners.
+        direction: of the slide, (3,).
+        pieces: corners (2, k, 3) of each at both ends of its slide.
+    """
     inside = [
         one
-        for one in slides
-        if np.abs(one.direction - slides[0].direction).max() <= _PARALLEL
-        and _gets_into(triangles, one)
-        and _open_way(triangles, [one]) is not None
+        for one in pieces
+        if _gets_into(triangles, direction, one)
+        and _open_way(triangles, direction, [one]) is not None
     ]
-    chosen, found = list[_Slide](), None
-    for one in sorted(inside, key=_width, reverse=True):
-        way = _open_way(triangles, [*chosen, one])
+    across = _across(direction).T
+    chosen, found = list[FloatArray](), None
+    for one in sorted(inside, key=lambda one: -float(np.ptp(one @ across, axis=(0, 1)).max())):
+        way = _open_way(triangles, direction, [*chosen, one])
         if way is not None:
             chosen, found = [*chosen, one], way
     return found
 
 
-def _gets_into(triangles: FloatArray, slide: _Slide) -> bool:
+def _gets_into(triangles: FloatArray, direction: FloatArray, piece: FloatArray) -> bool:
     """Check whether a piece gets between triangles (n, 3, 3), whose section is around its own."""
-    (first, last), along = slide.span, triangles @ slide.direction
-    if first > along.max() or last < along.min():
+    own, along = piece @ direction, triangles @ direction
+    if own.min() > along.max() or own.max() < along.min():
         return False
-    across = _across(slide.direction).T
+    across = _across(direction).T
     sides = scipy.spatial.ConvexHull(triangles.reshape(-1, 3) @ across).equations
-    return bool((slide.points @ across @ sides[:, :2].T + sides[:, 2]).max() <= 0)
+    return bool((piece @ across @ sides[:, :2].T + sides[:, 2]).max() <= 0)
 
 
 def _across(direction: FloatArray) -> FloatArray:
@@ -142,14 +137,12 @@ def _across(direction: FloatArray) -> FloatArray:
     return np.linalg.svd(direction[None])[2][1:]
 
 
-def _width(slide: _Slide) -> float:
-    """Extent of a link across its slide, [m]."""
-    return float(np.ptp(slide.points @ _across(slide.direction).T, axis=0).max())
-
-
-def _open_way(triangles: FloatArray, slides: Sequence[_Slide]) -> OpenWay | None:
-    """The way of links, halfway to the triangles (n, 3, 3) around it; None if it is not open."""
-    direction, points = slides[0].direction, np.concatenate([one.points for one in slides])
+def _open_way(
+    triangles: FloatArray, direction: FloatArray, pieces: Sequence[FloatArray]
+) -> OpenWay | None:
+    """The way of pieces, halfway to the triangles (n, 3, 3) around it; None if it is not open."""
+    points = np.concatenate([one.reshape(-1, 3) for one in pieces])
+    size = float(np.ptp(np.concatenate([first for first, _ in pieces]), axis=0).max())
     across = _across(direction)
     # the first four in the directions of a rectangle around the section
     first = principal_axes(points @ across.T @ across)[0]
@@ -157,13 +150,13 @@ def _open_way(triangles: FloatArray, slides: Sequence[_Slide]) -> OpenWay | None
     turns = np.stack([first, np.cross(direction, first)])
     normals = np.column_stack([np.cos(angles), np.sin(angles)]) @ turns
     heights = (points @ normals.T).max(axis=0)
-    spans = np.array([one.span for one in slides])
+    along = points @ direction
     tight = OpenWay(
         read_only(np.column_stack([normals, heights])),
         read_only(direction.copy()),
-        *(float(spans.min()), float(spans.max())),
+        *(float(along.min()), float(along.max())),
     )
-    low, high = 0.0, _WIDEST * float(np.ptp(points, axis=0).max())
+    low, high = 0.0, _WIDEST * size
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
         if tight.wider(middle).is_open(triangles):

@@ -82,6 +82,6 @@ def test_what_is_solid_has_no_way_through_it() -> None:
         ends = np.array(
             [[x, y, z] for x in (-0.05, 0.05) for y in (-0.03, 0.03) for z in (-0.05, 0.05)]
         )
-        slide = telescopes._Slide(np.array([0.0, 0.0, 1.0]), ends, 0.0, 0.05)
-        assert telescopes._open_way(triangles, [slide]) is None
-        assert telescopes._way_into(triangles, [slide]) is None
+        up, piece = np.array([0.0, 0.0, 1.0]), np.stack([ends, ends + np.array([0.0, 0.0, 0.05])])
+        assert telescopes._open_way(triangles, up, [piece]) is None
+        assert telescopes._way_into(triangles, up, [piece]) is None
