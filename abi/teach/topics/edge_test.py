@@ -18,6 +18,8 @@ _NEAR = Fraction(1, 10**6)
 """Amount by which a box is grown or shrunk, [unit], to leave out edges that this decides
 otherwise."""
 _EDGES = 60
+_SHAVES = 6
+"""Segments of a scene that cut so little off a box that samples miss it."""
 _TIE = 1e-9
 """Difference of distances that counts as a tie, [unit]."""
 
@@ -33,7 +35,9 @@ def _trial(one: Scene, seed: int) -> Trial:
     mesh = graph_of(one).mesh
     chosen = mesh.points[random.permutation(mesh.edges)[:_EDGES]]
     calls, facts = [], []
-    for a, b in np.concatenate([chosen, _across_corners(random, np.array([low, high]))]).tolist():
+    box = np.array([low, high])
+    given = np.concatenate([chosen, _across_corners(random, box), _along_edges(random, box)])
+    for a, b in given.tolist():
         meets = _meets(a, b, low, high, Fraction(0))
         if all(_meets(a, b, low, high, grown) == meets for grown in (_NEAR, -_NEAR)):
             calls.append((a, b, low, high))
@@ -47,6 +51,25 @@ def _across_corners(random: np.random.Generator, box: FloatArray) -> FloatArray:
     middle = corner + random.normal(0.0, 0.08, (_EDGES, 3))
     half = random.normal(0.0, 0.8, (_EDGES, 3))
     return np.stack([middle - half, middle + half], axis=1).round(3)
+
+
+def _along_edges(random: np.random.Generator, box: FloatArray) -> FloatArray:
+    """Segments (n, 2, 3) across an edge of a box, of which 1e-5 to 1e-4 is inside, or misses it."""
+    found = []
+    for axis in random.integers(0, 3, _SHAVES).tolist():
+        one, other = (axis + 1) % 3, (axis + 2) % 3
+        upper = random.integers(0, 2, 3)
+        place = box[upper, np.arange(3)]
+        place[axis] = box[0, axis] + random.uniform(0.3, 0.7) * np.ptp(box[:, axis])
+        outward, half = np.where(upper, 1.0, -1.0), np.zeros(3)
+        outward[axis] = 0.0
+        half[[axis, one, other]] = random.uniform(-0.5, 0.5), outward[other], -outward[one]
+        half *= random.uniform(0.5, 0.8)
+        # beneath an edge what is inside is twice as long as it is deep
+        share = 10 ** random.uniform(-5.0, -4.0) * random.choice([-1.0, 1.0])
+        middle = place - share * abs(half[one]) * outward
+        found.append([middle - half, middle + half])
+    return np.array(found).round(7)
 
 
 def _meets(a: Any, b: Any, low: Any, high: Any, grown: Fraction) -> bool:

@@ -30,8 +30,11 @@ def edge_ends_alone(a: Any, b: Any, lower: Any, upper: Any) -> bool:
 
 
 def edge_at_samples(a: Any, b: Any, lower: Any, upper: Any) -> bool:
-    places = [[p + k / 10 * (q - p) for p, q in zip(a, b, strict=True)] for k in range(11)]
-    return any(edge_ends_alone(p, p, lower, upper) for p in places)
+    if not edge_boxes_overlap(a, b, lower, upper):
+        return False
+    shares = np.linspace(0.0, 1.0, 8_000)[:, None]
+    places = np.array(a) + shares * (np.array(b) - np.array(a))
+    return bool(((places >= lower) & (places <= upper)).all(axis=1).any())
 
 
 def edge_boxes_overlap(a: Any, b: Any, lower: Any, upper: Any) -> bool:
