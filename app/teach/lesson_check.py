@@ -20,7 +20,7 @@ from app.teach.lesson_file import (
 )
 from app.teach.measures import MEASURES, names_in
 from app.teach.measures import text as now
-from app.teach.rehearsal import Rehearsal
+from app.teach.rehearsal import Take, rehearsal
 
 _SINGLE = re.compile(r"(?<!\{)\{\s*([a-z_]+\.[a-z_.0-9]+)\s*\}(?!\})")
 _NOTHING = "–"
@@ -50,17 +50,15 @@ def check_folder(folder: Path, layers: Collection[str]) -> tuple[LessonFault, ..
 
 def check_pages(file: Path, lesson: Lesson) -> Iterator[LessonFault]:
     """Faults that show when the pages of a lesson are gone through in order."""
-    rehearsal = Rehearsal(file.parent, Planner())
+    take = rehearsal(file.parent, Planner())
     for number, step in enumerate(lesson.steps):
-        yield from _check_page(file, ("steps", number), step, rehearsal)
+        yield from _check_page(file, ("steps", number), step, take)
 
 
-def _check_page(
-    file: Path, page: tuple[str, int], step: Step, rehearsal: Rehearsal
-) -> Iterator[LessonFault]:
+def _check_page(file: Path, page: tuple[str, int], step: Step, take: Take) -> Iterator[LessonFault]:
     """Faults of one page, in the order in which a student would meet them."""
     try:
-        frame = rehearsal.take(step.set)
+        frame = take(step.set)
     except AbiError as error:
         yield fault_at(file, (*page, "set"), error.message)
         return
@@ -73,7 +71,7 @@ def _check_page(
         if task.is_done(frame):
             yield fault_at(file, (*place, "until"), "it is met before anything is done.")
         try:
-            frame = rehearsal.take(task.shown_by)
+            frame = take(task.shown_by)
         except AbiError as wrong:
             yield fault_at(file, (*place, "shown_by"), wrong.message)
         for missed in (one for one in task.until if not one.holds(frame)):
@@ -81,7 +79,7 @@ def _check_page(
                 file, (*place, "shown_by"), f"it does not do the task: {missed.missed(frame)}."
             )
     try:
-        frame = rehearsal.take(step.reveal)
+        frame = take(step.reveal)
     except AbiError as wrong:
         yield fault_at(file, (*page, "reveal"), wrong.message)
     yield from _check_texts(file, _texts_after(page, step), frame)

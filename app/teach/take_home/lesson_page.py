@@ -19,7 +19,7 @@ from app.state.frame import Frame
 from app.teach.exercise_files import exercise_files
 from app.teach.lesson import Lesson, Step
 from app.teach.measures import filled
-from app.teach.rehearsal import Rehearsal
+from app.teach.rehearsal import Take, rehearsal
 from app.theatre.theatre import Theatre, priorities
 from app.ui.formulas import with_formulas
 
@@ -54,29 +54,29 @@ def lesson_page(name: str, lesson: Lesson, folder: Path) -> bytes:
         SceneError: a page's scene cannot be read.
         AbiError: a page's scene has no mesh, so there is nothing to show.
     """
-    rehearsal, shown = Rehearsal(folder, Planner()), list[Frame]()
-    pages = [_page(step, rehearsal, shown) for step in lesson.steps]
+    take, shown = rehearsal(folder, Planner()), list[Frame]()
+    pages = [_page(step, take, shown) for step in lesson.steps]
     plans = [page_data(frame.plan) | _paths(frame) for frame in shown]
     data = {"name": name, "title": lesson.title, "pages": pages, "plans": plans}
     return page_of("lesson.html", data)
 
 
-def _page(step: Step, rehearsal: Rehearsal, shown: list[Frame]) -> dict[str, Any]:
+def _page(step: Step, take: Take, shown: list[Frame]) -> dict[str, Any]:
     """Texts of a page with numbers filled in, and the views before and after it is passed.
 
     Args:
         step: the page.
-        rehearsal: of the lesson up to it.
+        take: rehearses the lesson, which was taken up to it.
         shown: a frame of each plan that the lesson has shown, to which those of the page are added.
     """
-    before = rehearsal.take(step.set)
+    before = take(step.set)
     seen = _view(before, shown)
     question, task = step.question, step.task
     asking = "" if question is None else question.text
     if task is not None:
         asking = f"➜ {task.text} {task.now} *(In the visualiser: this page plans nothing anew.)*"
-        rehearsal.take(task.shown_by)
-    after = rehearsal.take(step.reveal)
+        take(task.shown_by)
+    after = take(step.reveal)
     choices = () if question is None else question.choices
     return {
         "text": _html(step.text, before),
