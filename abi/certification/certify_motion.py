@@ -43,6 +43,7 @@ _ENDS_AND_BETWEEN = 5
 """Poses in which links that are said to touch always have to."""
 _BISECTIONS = 18
 _STATES: tuple[State, ...] = ("clear", "undecided", "touches")
+_RIM = "A cylinder is compared by its edges: whoever stands nearer than its roundness has to move."
 _FINEST = 1e-9
 """Distance below which shapes may touch or not by rounding, over the largest coordinate."""
 
@@ -96,10 +97,11 @@ def _verdict(
     motion = problem.motion.motion
     found = separation(problem, clearance, most_tries)
     distance, least = nearest(problem, np.arange(0.0, len(motion.times) - 0.5, 0.5))
-    inside = [*_inside(problem), *_standing_in(problem)]
+    standing_in, standing_near = _standing_in(problem)
+    inside = [*_inside(problem), *standing_in]
     if isinstance(found, ArmCertificate) and not inside:
         ends = _times(problem, 0.0, len(problem.motion.points))
-        if apart := _apart_though_allowed(problem):
+        if apart := (*_apart_though_allowed(problem), *standing_near):
             whole = (TimeStretch(*ends, "undecided"),)
             return MotionVerdict(
                 *("undecided", scene, problem, distance, least, (), apart, whole),
@@ -138,28 +140,39 @@ def _inside(problem: MotionProblem) -> list[tuple[str, int]]:
     return list(dict.fromkeys(found))
 
 
-def _standing_in(problem: MotionProblem) -> list[tuple[str, int]]:
-    """Links that stand still, and the obstacles not beneath the base that they are in."""
+def _standing_in(problem: MotionProblem) -> tuple[list[tuple[str, int]], list[Doubt]]:
+    """Links that stand still, and the obstacles not beneath the base that they are, or may be, in.
+
+    Whether the rim of a cylinder touches what its edges do not is not decided.
+    """
     obstacles = problem.around.obstacles
     if not obstacles.obstacles:
-        return []
+        return [], []
     metres = problem.metres
     low, high = obstacles.bounds
-    found = []
+    found: list[tuple[str, int]] = []
+    doubts: list[Doubt] = []
+    whole = _times(problem, 0.0, float(len(problem.motion.points)))
     for name, frame in problem.chain.frames.items():
         link, pose = problem.chain.robot.links[name], problem.chain.places[name]
         if frame >= 0 or not link.shapes:
             continue
-        first, second, radii = link_solids(link, 1 / metres).edges
+        solids = link_solids(link, 1 / metres)
+        first, second, radii = solids.edges
+        reach = radii[:, None] + solids.bulge
         turn, origin = pose[:3, :3], pose[:3, 3] / metres
         ends = np.stack([first, second]) @ turn.T + origin
-        near = (low <= (ends + radii[:, None]).max(axis=(0, 1))).all(axis=1)
-        near &= (high >= (ends - radii[:, None]).min(axis=(0, 1))).all(axis=1)
+        near = (low <= (ends + reach).max(axis=(0, 1))).all(axis=1)
+        near &= (high >= (ends - reach).min(axis=(0, 1))).all(axis=1)
         for number in np.flatnonzero(near).tolist():
-            is_let = number in problem.under or (name, number) in problem.asked
-            if not is_let and exact_contact.touches(problem, 0.0, name, number):
+            if number in problem.under or (name, number) in problem.asked:
+                continue
+            if exact_contact.touches(problem, 0.0, name, number):
                 found.append((name, number))
-    return found
+            elif exact_contact.may_touch(problem, 0.0, name, number):
+                away = max(exact_contact.distance(problem, 0.0, name, number), 0.0)
+                doubts.append(Doubt(*whole, name, number, away, _RIM))
+    return found, doubts
 
 
 def _apart_though_allowed(problem: MotionProblem) -> tuple[Doubt, ...]:

@@ -21,6 +21,12 @@ def touches(problem: MotionProblem, parameter: float, link: str, other: int | st
     return solid_contact.touch(*_beside(problem, parameter, link, other))
 
 
+def may_touch(problem: MotionProblem, parameter: float, link: str, other: int | str) -> bool:
+    """Decide whether a link touches something, or comes as near as cylinders' edges are inexact."""
+    first, second, turn, origin = _beside(problem, parameter, link, other)
+    return solid_contact.touch(first, second, turn, origin, first.bulge + second.bulge)
+
+
 def depth(problem: MotionProblem, parameter: float, link: str, other: int | str) -> float:
     """How far a link is in something, at least, [unit]."""
     if other == "floor":

@@ -337,11 +337,11 @@ def placed_at(
     return placed
 
 
-def in_frame(name: str, robot: Robot, chain: ExactChain) -> LinkTriangles:
-    """Triangles of a link in the frame that moves it, [unit]."""
+def in_frame(name: str, robot: Robot, chain: ExactChain, around: bool = False) -> LinkTriangles:
+    """Triangles of a link in the frame that moves it, [unit]; in its cylinders, or around them."""
     pose = chain.places[name].astype(np.float64)
     turn, origin = pose[:3, :3], pose[:3, 3]
-    return link_triangles(robot.links[name], float(chain.units)).placed(turn, origin)
+    return link_triangles(robot.links[name], float(chain.units), around).placed(turn, origin)
 
 
 def _random_rows(chain: ExactChain) -> Iterator[list[Fraction]]:

@@ -97,7 +97,7 @@ def check_still(
     scene: Scene, chain: ExactChain, obstacles: Sequence[ExactSolid | ExactMesh]
 ) -> None:
     """Raise if a link that stands still is in an obstacle that is not beneath the base."""
-    still = _still(scene, chain)
+    still = {name: in_frame(name, scene.robot, chain, around=True) for name in _still(scene, chain)}
     for name, number in _in_obstacles(scene, chain, still, obstacles, beneath=False):
         raise Fault(f"{name} stands in obstacle {number + 1}")
 
@@ -112,7 +112,7 @@ def _in_obstacles(
     """Links, and numbers of obstacles that they touch and may not, beneath the base or not."""
     arm, found = scene.arm, []
     for number, obstacle in enumerate(obstacles):
-        solid = solid_triangles(obstacle)
+        solid = solid_triangles(obstacle, around=not beneath)
         near = [
             name
             for name, one in links.items()

@@ -1,9 +1,10 @@
 """Contact of links by their own shapes, in floating point, with no code that plans.
 
 All is triangles: a ball is one whose corners are its centre, with a radius, and a cylinder's rim
-has 192 corners on it. Two links touch where triangles are as near as their radii, or where one has
-a point inside a shell of the other that is closed: the solid angle under which it sees the whole of
-that is a full one. Cavities are filled, since nothing gets into them.
+has 192 corners on it, or around it where it must not be smaller. Two links touch where triangles
+are as near as their radii, or where one has a point inside a shell of the other that is closed: the
+solid angle under which it sees the whole of that is a full one. Cavities are filled, since nothing
+gets into them.
 """
 
 from __future__ import annotations
@@ -57,12 +58,15 @@ class LinkTriangles(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def link_triangles(link: Link, scale: float) -> LinkTriangles:
-    """Triangles of a link in its own frame, in units of which ``scale`` are one metre."""
+def link_triangles(link: Link, scale: float, around: bool = False) -> LinkTriangles:
+    """Triangles of a link in its own frame, in units of which ``scale`` are one metre.
+
+    Those of cylinders are in them, or around them.
+    """
     parts, radii, shells = list[FloatArray](), list[FloatArray](), list[IntArray]()
     count = 0
     for shape in link.shapes:
-        triangles = _triangles(shape)
+        triangles = _triangles(shape, around)
         shells.append(count + _shells(triangles))
         count = int(shells[-1].max()) + 1
         radius = shape.size[0] if shape.kind == "sphere" else 0.0
@@ -73,8 +77,8 @@ def link_triangles(link: Link, scale: float) -> LinkTriangles:
     return LinkTriangles(np.concatenate(parts), np.concatenate(radii), numbers, firsts)
 
 
-def solid_triangles(solid: ExactSolid | ExactMesh) -> LinkTriangles:
-    """Triangles of an obstacle, world, [unit]."""
+def solid_triangles(solid: ExactSolid | ExactMesh, around: bool = False) -> LinkTriangles:
+    """Triangles of an obstacle, world, [unit]; those of a cylinder are in it, or around it."""
     axes = [in_body(vector(axis), solid.wxyz) for axis in np.eye(3).tolist()]
     turn, radius = np.array(axes, dtype=np.float64), 0.0
     if isinstance(solid, ExactMesh):
@@ -84,7 +88,7 @@ def solid_triangles(solid: ExactSolid | ExactMesh) -> LinkTriangles:
         if radius:  # around a point or a segment
             triangles = np.array([[[0, 0, -half[2]], [0, 0, half[2]], [0, 0, half[2]]]])
         elif disc:
-            triangles = _prism(_circle(disc), half[2])
+            triangles = _prism(_circle(disc, around), half[2])
         else:
             triangles = _prism(_rectangle(half[0], half[1]), half[2])
     shells = _shells(triangles)
@@ -141,7 +145,7 @@ def near_triangles(
         yield first.corners[i], second.corners[j], reach
 
 
-def _triangles(shape: LinkShape) -> FloatArray:
+def _triangles(shape: LinkShape, around: bool) -> FloatArray:
     """Triangles (n, 3, 3) of a shape in its own frame, [m]."""
     a, b, c = shape.size
     if shape.kind == "mesh":
@@ -150,7 +154,7 @@ def _triangles(shape: LinkShape) -> FloatArray:
         return np.zeros((1, 3, 3))
     if shape.kind == "box":
         return _prism(_rectangle(a / 2, b / 2), c / 2)
-    return _prism(_circle(a), b / 2)
+    return _prism(_circle(a, around), b / 2)
 
 
 def _rectangle(x: float, y: float) -> FloatArray:
@@ -158,10 +162,11 @@ def _rectangle(x: float, y: float) -> FloatArray:
     return np.array([[x, y], [-x, y], [-x, -y], [x, -y]])
 
 
-def _circle(radius: float) -> FloatArray:
-    """Corners (n, 2) on a circle."""
-    around = 2 * np.pi * np.arange(_SIDES) / _SIDES
-    return np.asarray(radius * np.column_stack([np.cos(around), np.sin(around)]))
+def _circle(radius: float, around: bool) -> FloatArray:
+    """Corners (n, 2) on a circle, or of the regular polygon around it."""
+    angles = 2 * np.pi * np.arange(_SIDES) / _SIDES
+    far = radius / np.cos(np.pi / _SIDES) if around else radius
+    return np.asarray(far * np.column_stack([np.cos(angles), np.sin(angles)]))
 
 
 def _prism(rim: FloatArray, half: float) -> FloatArray:

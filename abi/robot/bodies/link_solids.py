@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -66,6 +67,12 @@ class LinkSolids:
         first, second, radii = self.edges
         ends = np.minimum(first @ turn[2], second @ turn[2])
         return float((ends - radii).min(initial=np.inf) + origin[2])
+
+    @cached_property
+    def bulge(self) -> float:
+        """How far a cylinder is beyond the prism of its edges, at most, [unit]."""
+        radii = [one.radius for one in self.shapes if isinstance(one, Cylinder)]
+        return max(radii, default=0.0) * (1 - math.cos(math.pi / SIDES))
 
     @cached_property
     def anchors(self) -> FloatArray:

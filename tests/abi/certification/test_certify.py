@@ -277,11 +277,31 @@ def test_what_stands_still_may_touch_only_what_it_stands_on(
         assert told.proven
         assert f"allowed to touch are {pairs[0][0]} and obstacle 1" in told.reason
     # the verifier finds by itself what was not compared
-    monkeypatch.setattr("abi.certification.certify_motion._standing_in", lambda *_: [])
+    monkeypatch.setattr("abi.certification.certify_motion._standing_in", lambda *_: ([], []))
     scene = verdict.scene
     checked = verify(verdict_of(scene, swing()).to_dict(), scene.meshes)[-1]
     assert checked.proven == (state == "clear")
     assert ("stands in obstacle 1" in checked.reason) == (state == "touches")
+
+
+@pytest.mark.parametrize(
+    ("face", "state"), [(0.99, "touches"), (0.999, "undecided"), (1.003, "clear")]
+)
+def test_a_round_table_is_clear_of_a_wall_only_if_its_whole_rim_is(face: float, state: str) -> None:
+    # the wall faces the middle between two of the corners by which a cylinder is compared
+    turned, far, aside = math.pi / 48, face + 0.1, 1.07
+    x, y = math.cos(turned), math.sin(turned)
+    place = [far * x - aside * y, far * y + aside * x, 0.2]
+    wxyz = [math.cos(turned / 2), 0, 0, math.sin(turned / 2)]
+    wall = {"shape": "box", "size": [0.2, 4.0, 4.0], "position": place, "wxyz": wxyz}
+    round_one = '<collision><geometry><cylinder radius="1" length="0.1"/></geometry></collision>'
+    text = urdf(f'<link name="a">{round_one}</link>', link("b"), joint("j", "a", "b"))
+    data = {"version": 1, "unit": "m", "obstacles": [wall]}
+    data |= {"arm": {"model": "urdf", "urdf": "r.zip", "base": [0, 0, 0.2], "tip": "b"}}
+    scene = Scene.from_dict(data, {"r.zip": packed({"r.urdf": text})})
+    verdict = abi.certify(None, ("j",), scene=scene, times=[0, 2], positions=[[0.0], [1.0]])
+    assert verdict.state == state
+    assert state != "clear" or verify(verdict.to_dict(), scene.meshes)[-1].proven
 
 
 def test_a_held_rod_is_kept_apart_from_the_wrist_that_it_turns_beside() -> None:
