@@ -8,7 +8,7 @@ The format: http://wiki.ros.org/urdf/XML. Lengths in [m], angles in [rad], masse
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Hashable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -69,7 +69,7 @@ class Robot(ShortRepr):
             gives them, such as ``home`` or ``open``, with those of groups where they need them.
         attached: name of the link that stands for the object that it holds, and that is in none of
             its files; empty where it holds none.
-        attached_key: what tells that object, and how it is held, from others.
+        attached_key: what tells that object, and how it is held, from others; it has a hash.
         couplings: loops and followers that ``<mimic>`` does not tell of.
     """
 
@@ -83,7 +83,7 @@ class Robot(ShortRepr):
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     states: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     attached: str = ""
-    attached_key: Hashable = None
+    attached_key: Any = None
     couplings: tuple[Coupling, ...] = ()
 
     def __post_init__(self) -> None:
@@ -97,7 +97,7 @@ class Robot(ShortRepr):
         return hashlib.sha256(self.archive).hexdigest()
 
     @property
-    def _key(self) -> tuple[bytes | int, str, str, Hashable]:
+    def _key(self) -> tuple[bytes | int, str, str, Any]:
         # without an archive nothing but itself says what it is
         return self.archive or id(self), self.root, self.attached, self.attached_key
 
