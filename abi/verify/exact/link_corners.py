@@ -117,13 +117,15 @@ def _in_hull(corners: FloatArray, hull: MovedHull, allowed: float) -> BoolArray:
         whole = scipy.spatial.ConvexHull(points)
     except scipy.spatial.QhullError:  # it is flat: how far is each from a mean of the points?
         return np.array([_from_means(corner, points) <= room for corner in corners], dtype=np.bool_)
-    away = (corners @ whole.equations[:, :3].T + whole.equations[:, 3]).max(axis=1, initial=-1.0)
+    planes = corners @ whole.equations[:, :3].T + whole.equations[:, 3]
+    away = planes.max(axis=1, initial=-1.0)
     inside = away <= 0
-    # beyond its edges what is near all planes may be far from it
+    # beyond its edges what is near all planes may be far from it; nearest are facets that it sees
     near = np.flatnonzero(~inside & (away <= room))
-    if len(near):
-        facets = (_from_triangle(corners[near], points[facet]) for facet in whole.simplices)
-        inside[near] = np.min([*facets], axis=0) <= room
+    for facet in np.flatnonzero((planes[near] > 0).any(axis=0)) if len(near) else ():
+        seen = near[(planes[near, facet] > 0) & ~inside[near]]
+        if len(seen):
+            inside[seen] = _from_triangle(corners[seen], points[whole.simplices[facet]]) <= room
     return np.asarray(inside)
 
 
