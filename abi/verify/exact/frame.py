@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ BITS = 200
 ONE = 1 << BITS
 _LARGEST_ANGLE = 64
 
-Exact = NDArray[np.object_]  # of exact numbers, such as a matrix in 2^-200
+Exact: TypeAlias = "NDArray[np.object_]"  # of exact numbers, such as a matrix in 2^-200
 
 
 class ExactFrame(NamedTuple):
