@@ -60,7 +60,8 @@ class JointSpace(ShortRepr):
     def clear(self, path: FloatArray) -> bool:
         """Check whether the arm is proven clear along a joint path (k, n), k >= 2.
 
-        That it is inside no closed mesh is not checked: see :meth:`clear_poses`.
+        That it is inside no closed mesh is not checked: see :func:`inside_meshes
+        <abi.arm_planning.world.chain_distances.inside_meshes>`.
         """
         path = arguments.numbers("path", path, (-1, len(self.weights)))
         return bool(edges_are_clear(*self.kernel_arguments, flat(path / self.arm.scales)))

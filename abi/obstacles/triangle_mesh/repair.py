@@ -70,12 +70,12 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     """Repair triangles as far as that is unambiguous, and note each repair.
 
     Equal corners are welded; duplicates are dropped, and so are triangles without area, with a note
-    where no other triangle has their line. In each shell whose
-    edges all have two sides, all triangles are made to face outward. Overlapping, touching and
-    nested shells are united, which fills cavities, since nothing could get into them. What stays
-    open, such as a fin at a solid, counts as a thin sheet that nothing may cross, without an
-    inside. In a surface that has solid parts, too, it is there with both its sides, which wind
-    around nothing.
+    where no other triangle has their line. In each shell whose edges all have two sides, all
+    triangles are made to face outward. Overlapping, touching and nested shells are united, which
+    fills cavities, since nothing could get into them; a shell that may cross itself stays in a
+    layer apart from those near it, and inside is what any layer winds around. What stays open, such
+    as a fin at a solid, counts as a thin sheet that nothing may cross, without an inside. In a
+    surface that has solid parts, too, it is there with both its sides, which wind around nothing.
 
     Args:
         vertices: (n, 3) finite coordinates.
