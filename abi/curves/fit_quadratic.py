@@ -45,7 +45,8 @@ def fit(
     """Fit a curve of quadratic pieces to the B-spline, with the same ends.
 
     - ``least_squares``: one piece, :func:`abi.curves.quadratic.least_squares`, clear or not.
-    - ``clear``: the least-squares curve if it is clear, else the clear one nearest to it.
+    - ``clear``: the least-squares curve if it is clear, else the nearest clear one that is found;
+      in about one of a hundred random scenes another is nearer by 6 % or more.
     - ``pieces``: the curve of ``clear`` if there is one, else the fewest clear C¹ pieces found.
 
     Args:
