@@ -7,11 +7,12 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from abi.planner.plan import Plan
 from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene
+from abi.scene.section import Settings
 from app.shared.computed_once import once_a_plan
 from app.state.frame import Frame
 from app.teach.lesson import Condition
@@ -46,7 +47,7 @@ _CODE = ' style="overflow-wrap:anywhere;user-select:all;pointer-events:auto"'
 """Style of a code to hand in: shown whole at any width, selected by one click."""
 
 
-class Challenge(BaseModel):
+class Challenge(Settings):
     """A challenge: conditions that a plan has to meet.
 
     Attributes:
@@ -57,8 +58,6 @@ class Challenge(BaseModel):
         keep: fields of the scene that must stay, where any must.
         homework: whether whoever meets it gets a code to hand in.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     text: Annotated[str, Field(max_length=200)]
     until: Annotated[tuple[Condition, ...], Field(min_length=1, max_length=4)]

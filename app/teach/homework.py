@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from abi.errors import AbiError
 from abi.planner.planner import Planner, plan
 from abi.scene.arm_end import ENDS
 from abi.scene.scene import Scene
 from abi.scene.scene_file import parse
+from abi.scene.section import Settings
 from app.state.frame import Frame
 from app.state.tab_state import TabState
 from app.teach.challenge import TASK, Challenge, whole_plan
@@ -21,7 +22,7 @@ from app.teach.lesson_file import fault_at, sentence_of
 from app.teach.result_code import FLOOR, fingerprint, scene_of_code
 
 
-class Homework(BaseModel):
+class Homework(Settings):
     """A homework as in its file.
 
     Attributes:
@@ -33,8 +34,6 @@ class Homework(BaseModel):
         free: fields of the task that may change all the same; a section's name frees all of it, and
             ``start`` or ``goal`` what the arm has there, too.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     text: Annotated[str, Field(min_length=1, max_length=200)]
     scene: str = "paper"

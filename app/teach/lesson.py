@@ -7,10 +7,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, model_validator
+from pydantic import AfterValidator, Field, PlainValidator, model_validator
 
 from abi.obstacles.pose import Vec3
 from abi.scene.scene import Scene, load_scene, scene_names
+from abi.scene.section import Settings
 from abi.search.compare import COMPARED
 from abi.teach.catalogue import exercises
 from app.camera.view import View
@@ -19,20 +20,19 @@ from app.teach.measures import MEASURES, names_in
 from app.theatre.searches import EDGES
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-    @model_validator(mode="after")
-    def _measures_exist(self) -> Self:
-        """Refuse texts with an unknown measure."""
-        for field, content in self:
-            for name in names_in(content) if isinstance(content, str) else ():
-                if name not in MEASURES:
-                    raise ValueError(f"in {field} a measure of {', '.join(MEASURES)}, not {name}")
-        return self
+def _with_known_measures(text: str) -> str:
+    """A text, each of whose numbers is a measure."""
+    for name in names_in(text):
+        if name not in MEASURES:
+            raise ValueError(f"a measure of {', '.join(MEASURES)}, not {name}")
+    return text
 
 
-class Condition(_Part):
+Text = Annotated[str, AfterValidator(_with_known_measures)]
+"""A text in which ``{{path.length}}`` stands for a number."""
+
+
+class Condition(Settings):
     """A measure and the range that it must be in."""
 
     measure: str
@@ -67,7 +67,7 @@ class Condition(_Part):
         return f"{self.measure} {now}, asked is {' and '.join(asked)}"
 
 
-class SearchCue(_Part):
+class SearchCue(Settings):
     """State of the search that is stepped through."""
 
     on: bool = True
@@ -96,7 +96,7 @@ def _upright(camera: object) -> View:
     raise ValueError("a position and a target apart from it, three numbers each")
 
 
-class Setting(_Part):
+class Setting(Settings):
     """Settings of a step; only the given ones apply.
 
     Attributes:
@@ -120,18 +120,18 @@ class Setting(_Part):
     play: bool | None = None
 
 
-class AnswerChoice(_Part):
+class AnswerChoice(Settings):
     """One answer to a question, and the reply to it."""
 
-    text: str
+    text: Text
     right: bool = False
-    why: str
+    why: Text
 
 
-class Question(_Part):
+class Question(Settings):
     """A question with answers to choose from, asked before the explanation."""
 
-    text: str
+    text: Text
     choices: Annotated[tuple[AnswerChoice, ...], Field(min_length=2, max_length=4)]
 
     @model_validator(mode="after")
@@ -141,7 +141,7 @@ class Question(_Part):
         return self
 
 
-class Task(_Part):
+class Task(Settings):
     """Something to do; the lesson waits until all its conditions hold.
 
     Attributes:
@@ -151,8 +151,8 @@ class Task(_Part):
         shown_by: what does it, for those who are stuck.
     """
 
-    text: str
-    now: str = ""
+    text: Text
+    now: Text = ""
     until: Annotated[tuple[Condition, ...], Field(min_length=1)]
     shown_by: Setting
 
@@ -161,7 +161,7 @@ class Task(_Part):
         return all(condition.holds(frame) for condition in self.until)
 
 
-class Step(_Part):
+class Step(Settings):
     """One page of a lesson.
 
     Attributes:
@@ -175,12 +175,12 @@ class Step(_Part):
         exercises: names of those that can be downloaded then.
     """
 
-    text: str
+    text: Text
     set: Setting = Setting()
     question: Question | None = None
     task: Task | None = None
     reveal: Setting = Setting()
-    after: str = ""
+    after: Text = ""
     exercises: tuple[str, ...] = ()
 
     @model_validator(mode="after")
@@ -196,7 +196,7 @@ class Step(_Part):
         return (self.set, *shown_by, self.reveal)
 
 
-class Lesson(_Part):
+class Lesson(Settings):
     """A lesson.
 
     Attributes:
@@ -205,7 +205,7 @@ class Lesson(_Part):
         steps: in order.
     """
 
-    title: Annotated[str, Field(min_length=1, max_length=60)]
+    title: Annotated[Text, Field(min_length=1, max_length=60)]
     minutes: Annotated[int, Field(ge=1, le=120)] = 5
     steps: Annotated[tuple[Step, ...], Field(min_length=1, max_length=40)]
 

@@ -158,7 +158,7 @@ def test_a_teacher_adds_a_folder(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("path.length", "path.lenght", "own.yaml:4: page 1: expected in text a measure of "),
+        ("path.length", "path.lenght", "own.yaml:4: page 1, text: expected a measure of "),
         ("title: Mine", "", "own.yaml:1: title: is missing"),
         ("right: true", "right: false", "own.yaml:6: page 1, question: expected choices of"),
         (
