@@ -123,7 +123,8 @@ def _entries(
         link = contact.get("link")
         if not isinstance(link, str) or link not in chain.frames:
             raise Fault("a contact is allowed of no link")
-        pair = frozenset((link, str(contact.get("other"))))
+        # as text with its kind: a link may be named as an obstacle is numbered
+        pair = frozenset((repr(link), repr(contact.get("other"))))
         if pair in pairs:
             raise Fault("a contact is allowed twice")
         pairs.add(pair)
@@ -160,8 +161,8 @@ def are_joined(robot: Robot, chain: ExactChain, link: str, other: str) -> bool:
     between = {*chain.above(chain.frames[link])} ^ {*chain.above(chain.frames[other])}
     if len(between) != 1 or _is_held(robot, {link, other}):
         return not between
-    movable = (joint for joint in robot.joints if joint.kind != "fixed" and joint.low < joint.high)
-    free = {joint.child for joint in movable}
+    moved = (joint for joint in robot.joints if joint.kind != "fixed")
+    free = {joint.child for joint in moved if joint.mimic is not None or joint.low < joint.high}
     parents: dict[str, list[str]] = {joint.child: [joint.parent] for joint in robot.joints}
     reached = {link: [*parents.get(link, ())], other: [*parents.get(other, ())]}
     for way in reached.values():

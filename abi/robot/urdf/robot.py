@@ -158,8 +158,10 @@ def meet(robot: Robot, first: str, second: str) -> bool:
     for link, other in ((first, second), (second, first)):
         moving = 0
         while link in above:
-            moving += above[link].kind != "fixed" and above[link].low < above[link].high
-            link = above[link].parent
+            joint = above[link]
+            follows = joint.mimic is not None  # wherever its own limits are
+            moving += joint.kind != "fixed" and (follows or joint.low < joint.high)
+            link = joint.parent
             if link == other:
                 return moving <= 1
             if robot.links[link].shapes:
