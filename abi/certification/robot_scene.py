@@ -5,8 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.urdf.link import LinkShape
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import SHIPPED, file_of, load_robot
 from abi.scene.scene import Scene
@@ -16,8 +19,8 @@ _OF_ONE_ROBOT = (
     "search",
 )
 """Fields of an arm that mean nothing for another one."""
-_ROOM = 2.0
-"""Half of the room that a robot alone has around it, over the length of all its joints."""
+_ROOM = 100.0
+"""Half of the room that a robot alone has around it, over its length: motions may pass limits."""
 
 
 def robot_scene(robot: str | Path | None, scene: Scene | None = None) -> Scene:
@@ -86,14 +89,20 @@ def _alone(name: str, files: dict[str, Robot]) -> Scene:
 
 
 def _length(robot: Robot) -> float:
-    """Length of all joints and links of a robot in a row, [m]."""
-    length = 0.0
+    """Length of all joints and links of a robot in a row, slides as far out as limits let, [m]."""
+    length, joints = 0.0, {joint.name: joint for joint in robot.joints}
     for joint in robot.joints:
-        length += float((joint.origin[:3, 3] ** 2).sum() ** 0.5)
-        length += joint.high - joint.low if joint.kind == "prismatic" else 0.0
-    points = [
-        (shape.pose[:3, 3] ** 2).sum() ** 0.5 + max(shape.size) * (shape.kind != "mesh")
-        for link in robot.links.values()
-        for shape in link.shapes
-    ]
-    return length + float(max(points, default=0.0))
+        length += float(np.linalg.norm(joint.origin[:3, 3]))
+        if joint.kind == "prismatic":
+            moved_by, (_, factor, offset) = joints[joint.coordinate], joint.mimic or ("", 1.0, 0.0)
+            length += max(abs(factor * end + offset) for end in (moved_by.low, moved_by.high))
+    shapes = [shape for link in robot.links.values() for shape in link.shapes]
+    return length + max(map(_farthest, shapes), default=0.0)
+
+
+def _farthest(shape: LinkShape) -> float:
+    """Distance from a link's origin that no point of a shape exceeds, [m]."""
+    away = float(np.linalg.norm(shape.pose[:3, 3]))
+    if shape.kind == "mesh":
+        return away + float(np.linalg.norm(shape.vertices, axis=1).max(initial=0.0))
+    return away + sum(shape.size)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 
 import abi
 from abi.arrays import FloatArray
@@ -414,6 +415,21 @@ def test_a_beam_that_the_first_joint_swings_into_the_floor_touches_it(tmp_path: 
         else:
             (proof,) = verify(json.loads(json.dumps(verdict.to_dict())), scene.meshes)
             assert proof.proven, proof.reason
+
+
+@pytest.mark.parametrize("meshed", [True, False])
+def test_a_robot_alone_has_no_floor_in_its_reach(tmp_path: Path, meshed: bool) -> None:
+    far = '<limit lower="40" upper="41" velocity="1" effort="9"/>'
+    slide = joint("s", "a", "b", "prismatic", "0 0 -1", far)
+    rod = link("b").replace('box size="0.1 0.1 0.3"', 'mesh filename="rod.stl"')
+    turn = joint("s", "a", "b", axis="0 1 0")
+    parts = (link("a"), rod, turn) if meshed else (link("a"), link("b"), slide)
+    trimesh.creation.box((0.1, 0.1, 30.0)).export(tmp_path / "rod.stl")
+    (tmp_path / "a.urdf").write_text(urdf(*parts))
+    ends = [[0.0], [2.0]] if meshed else [[40.0], [45.0]]  # past the limit of a slide, too
+    verdict = abi.certify(tmp_path / "a.urdf", ["s"], [0, 1], ends)
+    assert verdict.state == "clear"
+    assert not any("floor" in note for note in verdict.to_dict()["notes"])
 
 
 @pytest.mark.parametrize("arm", [{}, {"model": "urdf", "urdf": "ur5e"}, {"a3": 1.1}])
