@@ -10,7 +10,6 @@ from operator import attrgetter, itemgetter
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.motion.arm_clearance import Contact
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.certification import exact_contact
@@ -27,6 +26,7 @@ from abi.certification.kept_direction import KeptDirection, kept_direction
 from abi.certification.motion import Motion
 from abi.certification.robot_motion import robot_motion
 from abi.certification.verdict import Doubt, MotionVerdict, State, TimeStretch
+from abi.curves.clearance.certificate import Certificate
 from abi.obstacles.mesh_shape import MeshShape
 from abi.robot.bodies.link_solids import link_solids
 from abi.scene.scene import Scene
@@ -99,7 +99,7 @@ def _verdict(
     distance, least = nearest(problem, np.arange(0.0, len(motion.times) - 0.5, 0.5))
     standing_in, standing_near = _standing_in(problem)
     inside = [*_inside(problem), *standing_in]
-    if isinstance(found, ArmCertificate) and not inside:
+    if isinstance(found, Certificate) and not inside:
         ends = _times(problem, 0.0, len(problem.motion.points))
         if apart := (*_apart_though_allowed(problem), *standing_near):
             whole = (TimeStretch(*ends, "undecided"),)
@@ -112,7 +112,7 @@ def _verdict(
         return MotionVerdict(
             *("clear", scene, problem, proof.margin, least, (), (), whole), *(*beside, proof)
         )
-    pairs = () if isinstance(found, ArmCertificate) else found
+    pairs = () if isinstance(found, Certificate) else found
     touches, doubts, stretches = _decided(problem, pairs, inside, clearance)
     state: State = "touches" if touches else "undecided"
     return MotionVerdict(
@@ -196,8 +196,8 @@ def _apart_though_allowed(problem: MotionProblem) -> tuple[Doubt, ...]:
 
 
 def _wider(
-    problem: MotionProblem, proof: ArmCertificate, distance: float, most_tries: int
-) -> ArmCertificate:
+    problem: MotionProblem, proof: Certificate, distance: float, most_tries: int
+) -> Certificate:
     """A proof for the largest possible of some fractions of the least distance found."""
     if not 0 < distance < math.inf:
         return proof
@@ -205,7 +205,7 @@ def _wider(
         if share * distance <= proof.margin:
             break
         wider = separation(problem, share * distance, most_tries, to_the_end=False)
-        if isinstance(wider, ArmCertificate):
+        if isinstance(wider, Certificate):
             return wider
     return proof
 

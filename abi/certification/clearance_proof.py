@@ -26,7 +26,6 @@ from typing import NamedTuple
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.world.collision_world import FLOOR, CollisionWorld
 from abi.arm_planning.world.mount import beneath
 from abi.arm_planning.world.row_table import RowTable, own_world
@@ -35,6 +34,7 @@ from abi.certification.convex_bodies import body_pairs, hulls_apart, robot_bodie
 from abi.certification.posed_hulls_kernels import nearest_obstacle
 from abi.certification.robot_motion import RobotMotion
 from abi.certification.separate_motion_kernels import separate_motion
+from abi.curves.clearance.certificate import Certificate
 from abi.curves.clearance.separation_kernels import REFUTED, SPENT
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES
@@ -161,7 +161,7 @@ def problem_of(
 
 def separation(
     problem: MotionProblem, margin: float, most_tries: int = MOST_TRIES, to_the_end: bool = True
-) -> ArmCertificate | tuple[UndecidedPair, ...]:
+) -> Certificate | tuple[UndecidedPair, ...]:
     """Prove that a motion keeps more than a margin from obstacles, or find what is undecided.
 
     Args:
@@ -184,7 +184,7 @@ def separation(
     if len(left):
         return _undecided(problem, left, outcomes)
     bodies, others = _numbers(problem, planes[:, 2])
-    return ArmCertificate(
+    return Certificate(
         margin=margin if len(problem.around.obstacles) else math.inf,
         pieces=read_only(planes[:, :2].copy()),
         poses=read_only(planes[:, 6].copy()),

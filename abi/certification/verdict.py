@@ -6,13 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.motion.arm_clearance import Contact
 from abi.arm_planning.world.collision_world import FLOOR
 from abi.arrays import ShortRepr
 from abi.certification.clearance_proof import MotionProblem
 from abi.certification.joint_limits import LimitsKept
 from abi.certification.kept_direction import KeptDirection
+from abi.curves.clearance.certificate import Certificate
 from abi.length_text import format_proven
 from abi.scene.scene import Scene
 
@@ -86,7 +86,7 @@ class MotionVerdict(ShortRepr):
     stretches: tuple[TimeStretch, ...]
     limits: LimitsKept
     direction: KeptDirection | None
-    proof: ArmCertificate | None
+    proof: Certificate | None
 
     @property
     def assumed(self) -> str:
@@ -182,7 +182,7 @@ def words_for(obstacle: int | str) -> str:
     return f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else str(obstacle)
 
 
-def _certificate(problem: MotionProblem, proof: ArmCertificate) -> dict[str, Any]:
+def _certificate(problem: MotionProblem, proof: Certificate) -> dict[str, Any]:
     """Bodies, pairs that keep apart, and directions."""
     metres, numbers = problem.metres, proof.obstacle.tolist()
     rows = zip(

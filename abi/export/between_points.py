@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.motion.arm_clearance import distance_from_itself
 from abi.arm_planning.motion.trajectory import Quantity, Violation
 from abi.arrays import FloatArray
@@ -19,6 +18,7 @@ from abi.certification.clearance_proof import problem_of, separation
 from abi.certification.joint_limits import joint_limits
 from abi.certification.motion import Motion
 from abi.certification.robot_motion import RobotMotion, bezier_points
+from abi.curves.clearance.certificate import Certificate
 from abi.explain.arm_faults import limit_sentence
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
@@ -132,7 +132,7 @@ def _is_proven(moves: RobotMotion, scene: Scene) -> bool:
     closely: frozenset[str] = frozenset()
     for _ in range(2):
         found = separation(problem_of(moves, scene, closely), 0.0)
-        if isinstance(found, ArmCertificate):
+        if isinstance(found, Certificate):
             return True
         left = {(one.link, one.other) for one in found}
         left = {pair for pair in left if frozenset(pair) not in asked}

@@ -18,7 +18,7 @@ ARRAYS = ("FloatArray", "IntArray", "BoolArray", "ByteArray", "ArrayLike", "NDAr
 _MADE = "def __post_init__"
 
 RESULTS = {
-    *("ArmCertificate", "ArmClearance", "ArmMotion", "Certificate", "ChainJointPath", "Edges"),
+    *("ArmClearance", "ArmMotion", "Certificate", "ChainJointPath", "Edges"),
     *(
         "JointRates",
         "JointSearch",

@@ -12,7 +12,6 @@ import numpy as np
 from abi import arguments
 from abi.arm_planning.arm_errors import beyond_limit, beyond_reach
 from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.paper_arm_certificate import certify_paper_arm
 from abi.arm_planning.certificates.separate_paper_arm_kernels import UNREACHED, Slide, separate_arm
 from abi.arm_planning.exclusion import (
@@ -24,7 +23,7 @@ from abi.arm_planning.exclusion.arm_path_kernels import MOST_TRIES, ArmSegments
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.curves.bezier import Bezier
-from abi.curves.clearance.certificate import Refutation
+from abi.curves.clearance.certificate import Certificate, Refutation
 from abi.curves.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.curve import ArcLength, Curve
 from abi.robot.paper_arm.inverse_kinematics import solve
@@ -82,7 +81,7 @@ class ElbowBranch:
         result = certify_paper_arm(
             curve, slide, self.arm, self.elbow, self.collision_world, self.clearance
         )
-        return None if isinstance(result, ArmCertificate) else result
+        return None if isinstance(result, Certificate) else result
 
     def polyline_refutation(self, points: FloatArray) -> Refutation | None:
         """Why the arm is not clear along a polyline (k, 3), [unit]; parameter k is its vertex k."""

@@ -30,12 +30,11 @@ import math
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
 from abi.arm_planning.world.collision_world import OWN, CollisionWorld
 from abi.arm_planning.world.collision_world_kernels import Obstacles
 from abi.arrays import FloatArray, IntArray, flat, read_only
-from abi.curves.clearance.certificate import Refutation
+from abi.curves.clearance.certificate import Certificate, Refutation
 from abi.curves.clearance.separation_kernels import CERTIFIED, REFUTED, Outcome
 from abi.errors import ArgumentError
 from abi.robot.bodies.capsule_table import Bodies
@@ -51,7 +50,7 @@ def certify_chain(
     collision_world: CollisionWorld,
     margin: float,
     with_itself: bool = True,
-) -> ArmCertificate | Refutation:
+) -> Certificate | Refutation:
     """Prove that an arm keeps more than ``margin`` from every obstacle, or find where not.
 
     From the floor and from itself it keeps more than 0. The parameter of the k-th position is k.
@@ -75,7 +74,7 @@ def certify_chain(
     capsules, others = _pairs(
         arm, collision_world, np.where(closer, -1 - planes[:, 2], planes[:, 2])
     )
-    return ArmCertificate(
+    return Certificate(
         margin=margin if (collision_world.numbers >= 0).any() else math.inf,
         pieces=read_only(planes[:, :2].copy()),
         poses=read_only(planes[:, 6].copy()),

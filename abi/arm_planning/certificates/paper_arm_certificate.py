@@ -26,13 +26,12 @@ from typing import Literal
 
 import numpy as np
 
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.separate_paper_arm_kernels import UNREACHED, Slide, separate_arm
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import flat, read_only
 from abi.curves.bezier import Bezier
-from abi.curves.clearance.certificate import Refutation
+from abi.curves.clearance.certificate import Certificate, Refutation
 from abi.curves.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.cubic_profile import CubicProfile, PathProfile
 from abi.curves.curve import ArcLength, Curve
@@ -52,7 +51,7 @@ def certify_paper_arm(
     collision_world: CollisionWorld,
     margin: float,
     most_tries: int | None = None,
-) -> ArmCertificate | Refutation:
+) -> Certificate | Refutation:
     """Prove that an arm keeps more than ``margin`` from every obstacle, or find where not.
 
     Args:
@@ -81,7 +80,7 @@ def _certified(
     collision_world: CollisionWorld,
     margin: float,
     tries: int,
-) -> ArmCertificate | Refutation:
+) -> Certificate | Refutation:
     """Certify an arm along a curve; cached, as a curve that was tried is certified again later."""
     pieces, slide = curve.bezier(), Slide(*map(np.frombuffer, bounds))
     room = np.zeros(3 * (len(pieces.points) + 2 * MOST_HALVINGS + 2) * (pieces.degree + 1))
@@ -101,7 +100,7 @@ def _certified(
         return Refutation(at, int(collision_world.numbers[row]), decided, capsule)
     pairs = planes[:, 2].astype(np.int32)
     rows = pairs % count
-    return ArmCertificate(
+    return Certificate(
         margin=margin if (collision_world.numbers >= 0).any() else math.inf,
         pieces=read_only(planes[:, :2].copy()),
         poses=read_only(planes[:, 6].copy()),

@@ -1,6 +1,6 @@
 """Directions that separate an arm's capsules from its surroundings near a pose, for every arm.
 
-See ``abi.arm_planning.certificates.arm_certificate`` for what a direction proves,
+See ``abi.curves.clearance.certificate.Certificate`` for what a direction proves,
 ``abi.arm_planning.world.collision_world_kernels`` for the surroundings,
 ``abi.curves.clearance.separation_kernels`` for planes. A direction from one part of a mesh is tried
 for the parts next to it. What decides most pairs is always inlined, because passing arrays costs

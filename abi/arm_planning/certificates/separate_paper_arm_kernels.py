@@ -1,6 +1,6 @@
 """Certificates of the paper's arm: directions that separate its capsules from its surroundings.
 
-See ``abi.arm_planning.certificates.arm_certificate`` for what a direction proves,
+See ``abi.curves.clearance.certificate.Certificate`` for what a direction proves,
 ``abi.robot.paper_arm.pose_kernels`` for the numbers of an arm and its capsules,
 ``abi.curves.clearance.separation_kernels`` for pieces and planes.
 """

@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.paper_arm_certificate import certify_paper_arm
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.world import paper_arm_distance_kernels
@@ -21,7 +20,7 @@ from abi.arm_planning.world.arm_worlds import paper_arm_world
 from abi.arm_planning.world.collision_world import FLOOR, CollisionWorld
 from abi.arm_planning.world.paper_arm_distance_kernels import capsules_near_meshes
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
-from abi.curves.clearance.certificate import Refutation
+from abi.curves.clearance.certificate import Certificate, Refutation
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.allowed_contacts import AllowedContact
@@ -97,7 +96,7 @@ class ArmClearance(ShortRepr):
     link: str
     obstacle: int
     contacts: tuple[Contact, ...]
-    certificate: ArmCertificate | None
+    certificate: Certificate | None
     allowed: tuple[AllowedContact, ...] = ()
     apart_only: tuple[str, ...] = ()
     has_verdict: bool = False
@@ -220,7 +219,7 @@ def proven_clearance(
     contacts: Sequence[Contact],
     required: float,
     rows: int,
-    certify: Callable[[float], ArmCertificate | Refutation],
+    certify: Callable[[float], Certificate | Refutation],
 ) -> ArmClearance:
     """Prove as much as possible of the clearance that was measured at the samples of a motion.
 
@@ -264,11 +263,11 @@ def is_clear(motion: ArmMotion, clearance: ArmClearance) -> bool:
 
 
 def _best_proof(
-    certify: Callable[[float], ArmCertificate | Refutation],
+    certify: Callable[[float], Certificate | Refutation],
     measured: float,
     required: float,
     rows: int,
-) -> ArmCertificate | None:
+) -> Certificate | None:
     """Prove the largest possible of a few distances below the measured one; None if none holds.
 
     With very many rows, as near large triangle meshes, only the required distance is proven.
@@ -284,11 +283,11 @@ def _best_proof(
         tries |= {share * measured for share in _SHARES}
     many = rows > _MANY and 0 <= required < measured
     asked = certify(required) if many else None
-    if isinstance(asked, ArmCertificate):
+    if isinstance(asked, Certificate):
         return asked
     for margin in sorted((one for one in tries if 0 <= one < measured), reverse=True):
         result = asked if asked is not None and margin == required else certify(margin)
-        if isinstance(result, ArmCertificate):
+        if isinstance(result, Certificate):
             return result
         if result.capsule < 0 or (result.decided and result.obstacle < 0):
             return None

@@ -15,11 +15,10 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.chain_certificate import certify_chain
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray, read_only
-from abi.curves.clearance.certificate import Refutation
+from abi.curves.clearance.certificate import Certificate, Refutation
 from abi.obstacles.obstacle_set import Obstacle
 from abi.robot.urdf_arm import UrdfArm
 
@@ -34,15 +33,15 @@ class ProofMemory:
 
     def __init__(self, arm: UrdfArm) -> None:
         self._arm = arm
-        self._last: ArmCertificate | None = None
+        self._last: Certificate | None = None
         self._asked: tuple[object, ...] = ()  # margin and ground of the last
         self._obstacles: Sequence[Obstacle] = ()  # of the last
-        self._of_itself: ArmCertificate | Refutation | None = None
+        self._of_itself: Certificate | Refutation | None = None
         self._of: tuple[FloatArray, object] | None = None  # joints and ground of that
 
     def certify(
         self, positions: FloatArray, around: CollisionWorld, margin: float
-    ) -> ArmCertificate | Refutation:
+    ) -> Certificate | Refutation:
         """Certify as :func:`certify_chain` does, reusing what remains of the last proof.
 
         Args:
@@ -55,14 +54,14 @@ class ProofMemory:
             found = self._updated(known, around, margin)
         else:
             found = self._anew(positions, around, margin)
-        if isinstance(found, ArmCertificate):
+        if isinstance(found, Certificate):
             self._last, self._asked = found, asked
             self._obstacles = around.obstacles.obstacles
         return found
 
     def _anew(
         self, positions: FloatArray, around: CollisionWorld, margin: float
-    ) -> ArmCertificate | Refutation:
+    ) -> Certificate | Refutation:
         """A proof at joint positions (k, n) of which at most the arm's own part is known."""
         own, of = self._of_itself, self._of
         if own is None or of is None or of[0] is not positions or of[1] != around.ground:
@@ -75,8 +74,8 @@ class ProofMemory:
         return new if isinstance(new, Refutation) else _both(own, new, new.margin)
 
     def _updated(
-        self, known: ArmCertificate, around: CollisionWorld, margin: float
-    ) -> ArmCertificate | Refutation:
+        self, known: Certificate, around: CollisionWorld, margin: float
+    ) -> Certificate | Refutation:
         """Update the last proof after obstacles may have moved."""
         assert known.positions is not None
         numbers, moved = around.changed_since(self._obstacles)
@@ -92,15 +91,15 @@ class ProofMemory:
 
 
 def _both(
-    known: ArmCertificate,
-    new: ArmCertificate,
+    known: Certificate,
+    new: Certificate,
     margin: float,
     stays: BoolArray | slice = _ALL,
-) -> ArmCertificate:
+) -> Certificate:
     """What remains of a proof, the rows flagged in ``stays``, followed by a new one."""
     assert known.closer is not None
     assert new.closer is not None
-    return ArmCertificate(
+    return Certificate(
         margin=margin,
         pieces=_joined(known.pieces[stays], new.pieces),
         poses=_joined(known.poses[stays], new.poses),

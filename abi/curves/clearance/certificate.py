@@ -47,21 +47,35 @@ _PLACED = 1e-10  # of a mesh's coordinates: more than the error of its place and
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Certificate(ShortRepr):
-    """Planes that separate every piece of a curve from every obstacle.
+    """Directions that separate a curve, or an arm along a whole curve or motion, from obstacles.
+
+    Of an arm they separate its capsules; of a motion that was planned elsewhere convex bodies.
 
     Attributes:
-        margin: the curve's distance to every obstacle is above this, [unit]; inf when there are
-            no obstacles.
-        pieces: first and last parameter of the piece each plane separates, shape (k, 2).
-        obstacle: number of the obstacle each plane separates it from, shape (k,). From a mesh it
-            separates only some triangles; together, the planes of a mesh separate all of them.
-        directions: unit normals of the planes, from the obstacle to the curve, shape (k, 3), world.
+        margin: distance from every obstacle that is kept, [unit]; inf when there are no obstacles.
+            From floor and column an arm keeps more than 0.
+        pieces: first and last parameter of the piece for each direction, shape (k, 2).
+        obstacle: number of the obstacle of each, or of what an arm's collision world has besides,
+            shape (k,). From a mesh it separates only some triangles; together, those of a mesh
+            separate all of them.
+        directions: unit vectors from the obstacle to the curve or capsule, shape (k, 3), world.
+        poses: parameter, within the piece, of the arm's pose around which each holds, shape (k,);
+            of a curve alone the piece's first.
+        capsule: number of the capsule of each, shape (k,); -1 of a curve alone.
+        positions: joint positions that the parameters count, shape (m, n), [rad] or [unit], with
+            straight motion between them; None if the parameters are a curve's.
+        closer: whether a direction separates the hull in the capsule, not the capsule, (k,); None
+            where there are no hulls.
     """
 
     margin: float
     pieces: FloatArray
     obstacle: IntArray
     directions: FloatArray
+    poses: FloatArray
+    capsule: IntArray
+    positions: FloatArray | None = None
+    closer: BoolArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,4 +231,6 @@ def _certificate(margin: float, tables: list[FloatArray]) -> Certificate:
         pieces=read_only(table[:, :2].copy()),
         obstacle=read_only(table[:, 2].astype(np.int32)),
         directions=read_only(table[:, 3:6].copy()),
+        poses=read_only(table[:, 0].copy()),
+        capsule=read_only(np.full(len(table), -1, dtype=np.int32)),
     )

@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.chain_certificate import certify_chain, chain_refutation
 from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arm_planning.world.chain_distances import (
@@ -22,6 +21,7 @@ from abi.arm_planning.world.chain_distances import (
 )
 from abi.arm_planning.world.collision_world import FLOOR
 from abi.arrays import FloatArray
+from abi.curves.clearance.certificate import Certificate
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.primitives import Sphere
@@ -141,7 +141,7 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
         float(own_distances(one, dense).min(initial=np.inf)) > 0
         and float(floor_distances(one, collision_world.floor, dense).min(initial=np.inf)) > 0
     )
-    if isinstance(found, ArmCertificate):
+    if isinstance(found, Certificate):
         assert refutation is None
         assert clear
         if measured <= margin:

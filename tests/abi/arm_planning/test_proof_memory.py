@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.chain_certificate import certify_chain
 from abi.arm_planning.motion.proof_memory import ProofMemory
 from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arrays import FloatArray
+from abi.curves.clearance.certificate import Certificate
 from abi.obstacles.obstacle_set import ObstacleSet
 from tests.abi.arm_planning.test_chain_certificate import joint_path, some_arm
 from tests.abi.arm_planning.test_segment_memory import some_box
 
 
-def rows(proof: ArmCertificate) -> FloatArray:
+def rows(proof: Certificate) -> FloatArray:
     """What a proof says, a row for each direction, in an order of its own."""
     assert proof.closer is not None
     columns = proof.obstacle, proof.capsule, proof.poses, proof.closer
@@ -38,7 +38,7 @@ def test_a_proof_of_which_parts_are_remembered_is_the_one_made_anew() -> None:
         expected = certify_chain(arm, positions, around, asked)
         found = memory.certify(positions, around, asked)
         assert type(found) is type(expected)
-        if isinstance(found, ArmCertificate) and isinstance(expected, ArmCertificate):
+        if isinstance(found, Certificate) and isinstance(expected, Certificate):
             proven += 1
             assert found.margin == expected.margin
             np.testing.assert_allclose(rows(found), rows(expected), atol=1e-12)

@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from abi.arrays import FloatArray
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.clearance.certificate import Certificate, certify
 from abi.curves.quadratic import Quadratic
@@ -300,11 +301,15 @@ def test_longer_directions_and_overlapping_pieces_prove_as_much(honest: Data) ->
     assert verdict(data).proven
 
 
+def planes_of(margin: float, rows: FloatArray) -> Certificate:
+    """Certificate of a curve by rows of two parameters, an obstacle and a normal."""
+    whose, none = rows[:, 2].astype(np.int32), np.full(len(rows), -1, dtype=np.int32)
+    return Certificate(margin, rows[:, :2], whose, rows[:, 3:], rows[:, 0], none)
+
+
 def test_a_margin_that_is_too_large_by_next_to_nothing_is_refused() -> None:
     curve = clamped(np.array([[-2.0, 1.5, 0], [2, 1.5, 0]]), 1)
-    proof = Certificate(
-        0.5, np.array([[0.0, 1.0]]), np.array([0], dtype=np.int32), np.array([[0.0, 1, 0]])
-    )
+    proof = planes_of(0.5, np.array([[0.0, 1.0, 0.0, 0.0, 1.0, 0.0]]))
     for margin, proven in ((0.5, False), (math.nextafter(0.5, 0), True)):
         data = as_plan(curve, (Sphere(radius=1),), proof)
         data["bspline"]["clearance"] = data["bspline"]["certificate"]["margin"] = margin
@@ -314,10 +319,7 @@ def test_a_margin_that_is_too_large_by_next_to_nothing_is_refused() -> None:
 def down(obstacles: Obstacles, planes: list[list[float]], margin: float = -0.9e-9) -> Verdict:
     """Certificate of a line along z by planes of two parameters, an obstacle and a normal."""
     line = clamped(np.array([[0.0, 0, 1], [0, 0, 0], [0, 0, -1]]), 1)
-    first, last, whose, *normals = np.array(planes).T
-    proof = Certificate(
-        margin, np.stack([first, last], axis=1), whose.astype(np.int32), np.stack(normals, axis=1)
-    )
+    proof = planes_of(margin, np.array(planes))
     data = as_plan(line, obstacles, proof)
     data["scene"]["spline"] = {"clearance": 0.0}
     data["bspline"]["certified"] = margin >= -1e-9

@@ -12,7 +12,6 @@ import scipy
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.chain_certificate import certify_chain
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.search_joints import (
@@ -31,6 +30,7 @@ from abi.arm_planning.world.chain_distances import (
     own_distances,
 )
 from abi.arrays import BoolArray, FloatArray
+from abi.curves.clearance.certificate import Certificate
 from abi.errors import ArgumentError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Sphere
@@ -79,7 +79,7 @@ def test_every_path_found_is_proven_keeps_limits_and_leads_from_start_to_goal(
     for one in found:
         assert one.path is not None
         proof = certify_chain(space.arm, one.path, space.collision_world, space.margin)
-        assert isinstance(proof, ArmCertificate)
+        assert isinstance(proof, Certificate)
         assert space.is_within(one.path)
         assert one.path[[0, -1]] == pytest.approx(np.stack([task.start, task.goal]), abs=1e-12)
         assert one.length == space.distance(one.path)
