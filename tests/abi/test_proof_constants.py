@@ -36,7 +36,7 @@ from abi.obstacles.triangle_mesh.repair import clean
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.robot.paper_arm import pose_kernels
-from abi.robot.paper_arm.pose_kernels import ArmTable, pose_of, rates_near, reaches
+from abi.robot.paper_arm.pose_kernels import ArmTable, neighbourhood_of, pose_of, reaches
 from abi.robot.urdf.robot import MOST_JOINTS
 from abi.robot.urdf.urdf_reader import MAX_LINKS
 from abi.scene.scene import load_scene
@@ -148,7 +148,7 @@ def chain_allowance() -> float:
 
 
 def cosine_of_elbow() -> float:
-    """Rounding of cos q3 in :func:`rates_near`, as a part of the squares D² + a3² + a6².
+    """Rounding of cos q3 in :func:`neighbourhood_of`, as a part of the squares D² + a3² + a6².
 
     The nearest and the farthest distance of shoulder and tool are wrong by 6 (of the root of a sum
     of squares, and the difference), their squares by 13; the forearm's square by 3, the upper arm's
@@ -319,8 +319,8 @@ def test_an_elbow_is_as_near_as_the_allowance_says(seed: int, near_axis: float) 
     assume(reaches(numbers, tuple(tool.tolist()), lower))
     assume(reaches(numbers, tuple(moved.tolist()), lower))
     pose = pose_of(numbers, tuple(moved.tolist()), lower)
-    rates = rates_near(numbers, pose, float(np.linalg.norm(moved - tool)), 0.0)
-    assume(not math.isinf(rates.elbow))
+    near = neighbourhood_of(numbers, pose, float(np.linalg.norm(moved - tool)), 0.0)
+    assume(not math.isinf(near.by_tool))
     exact = ExactArm(
         vector(base.tolist()), Fraction(height), Fraction(upper), Fraction(lower), int(side)
     )
@@ -328,7 +328,7 @@ def test_an_elbow_is_as_near_as_the_allowance_says(seed: int, near_axis: float) 
     assert found is not None
     elbow = [float(part.low) for part in found.elbow]
     around = NO_OBSTACLES._replace(size=size)
-    assert math.dist(elbow, pose.elbow) <= allowance_of(around, rates)
+    assert math.dist(elbow, pose.elbow) <= allowance_of(around, near)
 
 
 def elbow_is_bounded(seed: int) -> bool:
@@ -339,14 +339,14 @@ def elbow_is_bounded(seed: int) -> bool:
     away = reach * 10.0 ** random.uniform(-12, -3)
     numbers = ArmTable(0.0, 0.0, 0.0, 0.0, upper, lower, 1.0, -1.0, -1.0, NO_CAPSULES)
     tool = (0.6 * reach, 0.0, 0.8 * reach)
-    rates = rates_near(numbers, pose_of(numbers, tool, lower), away, 0.0)
-    if math.isinf(rates.slide):
+    near = neighbourhood_of(numbers, pose_of(numbers, tool, lower), away, 0.0)
+    if math.isinf(near.by_slide):
         return True
     far = Fraction(math.hypot(tool[0], tool[2])) + Fraction(away)
     a, b = Fraction(upper), Fraction(lower)
     cosine = (far * far - a * a - b * b) / (2 * a * b)
     # the roots of both sides and the quotient round, too, by 3 U in all
-    return Fraction(rates.slide) ** 2 * (1 - cosine * cosine) >= 1 - Fraction(8, 2**53)
+    return Fraction(near.by_slide) ** 2 * (1 - cosine * cosine) >= 1 - Fraction(8, 2**53)
 
 
 def test_the_elbow_is_bounded_near_where_the_arm_is_stretched(

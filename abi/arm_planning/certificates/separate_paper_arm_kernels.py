@@ -47,14 +47,13 @@ from abi.robot.paper_arm.pose_kernels import (
     CAPSULE,
     NO_ARM,
     ArmTable,
-    PaperArmPose,
-    Rates,
+    PoseNeighbourhood,
     capsule_ends,
     capsule_rates,
     capsule_share,
-    limits_hold_near,
+    is_bounded,
+    neighbourhood_of,
     pose_of,
-    rates_near,
     reaches,
     shoulder_holds,
 )
@@ -90,47 +89,14 @@ def _slide_within(slide: Slide, start: float, end: float) -> tuple[float, float]
     return slide.low[max(first, 0)], slide.high[min(last, len(slide.high) - 1)]
 
 
-class PoseNeighbourhood(NamedTuple):
-    """The arm at a piece's middle, and how far from there it may be on the piece.
-
-    Attributes:
-        pose: there.
-        rates: of the elbow.
-        ways: of the tool and the slide, at most, [unit].
-        first, last: poses at the piece's ends, if ``bend`` is finite.
-        bend: bound of the elbow's second derivative, times l²/8, l being the length of the piece,
-            [unit]; inf where there is none.
-    """
-
-    pose: PaperArmPose
-    rates: Rates
-    ways: tuple[float, float]
-    first: PaperArmPose
-    last: PaperArmPose
-    bend: float
-
-
-@jitable(forceinline=True)
-def neighbourhood_of(
-    arm: ArmTable, pose: PaperArmPose, ways: tuple[float, float]
-) -> tuple[PoseNeighbourhood, bool]:
-    """Bounds of the arm's motion near a pose; whether they are finite and limits are kept."""
-    rates = rates_near(arm, pose, ways[0], ways[1])
-    bounded = not math.isinf(rates.elbow)
-    bounded = bounded and limits_hold_near(arm, pose, rates, ways[0], ways[1])
-    return PoseNeighbourhood(pose, rates, ways, pose, pose, math.inf), bounded
-
-
 @jitable(forceinline=True)
 def capsule_of(near: tuple[ArmTable, PoseNeighbourhood], c: int) -> Moving:
     """Capsule c of an arm near a pose."""
     arm, neighbourhood = near
     a, b = capsule_ends(arm, neighbourhood.pose, c)
-    by_tool, by_slide = capsule_rates(arm, neighbourhood.rates, c)
-    way, bow = (
-        by_tool * neighbourhood.ways[0] + by_slide * neighbourhood.ways[1],
-        neighbourhood.bend,
-    )
+    by_tool, by_slide = capsule_rates(arm, neighbourhood, c)
+    way = by_tool * neighbourhood.tool + by_slide * neighbourhood.slide
+    bow = neighbourhood.bend
     if not math.isinf(bow):
         bow *= capsule_share(arm, neighbourhood.pose.forearm, c)
     return Moving(c, a, b, arm.capsules[CAPSULE * c + 3], way, bow)
@@ -146,9 +112,9 @@ def level_at_ends(near: tuple[ArmTable, PoseNeighbourhood], capsule: Moving, way
 
 
 @jitable(forceinline=True)
-def allowance_of(around: Obstacles, rates: Rates) -> float:
-    """Margin for rounding errors, [unit]."""
-    return ALLOWANCE * around.size * (1.0 if math.isinf(rates.elbow) else 1 + rates.elbow)
+def allowance_of(around: Obstacles, near: PoseNeighbourhood) -> float:
+    """Margin for rounding errors near a pose, [unit]."""
+    return ALLOWANCE * around.size * (1.0 if math.isinf(near.by_tool) else 1 + near.by_tool)
 
 
 @jitable(forceinline=True)
@@ -182,8 +148,8 @@ def _along_curve(
     pose = pose_of(arm, middle, forearm)
     if not shoulder_holds(arm, pose):
         return Attempt(UNREACHED, -1, 0.0, 0, farthest)
-    neighbourhood, bounded = neighbourhood_of(arm, pose, (farthest, slid))
-    allowance = allowance_of(around, neighbourhood.rates)
+    neighbourhood = neighbourhood_of(arm, pose, farthest, slid)
+    bounded, allowance = is_bounded(arm, neighbourhood), allowance_of(around, neighbourhood)
     span = Span(piece.start, piece.end, behind.start, allowance, bounded, True)
     candidates, work = lists.candidates, lists.work
     work.clear()

@@ -32,11 +32,9 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
     separate_pairs,
 )
 from abi.arm_planning.certificates.separate_paper_arm_kernels import (
-    PoseNeighbourhood,
     allowance_of,
     capsule_of,
     level_at_ends,
-    neighbourhood_of,
 )
 from abi.arm_planning.exclusion.paper_arm_mask_kernels import touched_row
 from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
@@ -53,7 +51,10 @@ from abi.robot.paper_arm.pose_kernels import (
     NO_ARM,
     ArmTable,
     bend_near,
+    bent,
     capsule_ends,
+    is_bounded,
+    neighbourhood_of,
     pose_of,
     reaches,
     shoulder_holds,
@@ -156,15 +157,14 @@ def arm_is_clear(segments: ArmSegments, contact: _LastContact, first: Vec3, last
         pose = pose_of(arm, middle, forearm)
         if not shoulder_holds(arm, pose):
             return False
-        neighbourhood, bounded = neighbourhood_of(arm, pose, (farthest, slid))
+        neighbourhood = neighbourhood_of(arm, pose, farthest, slid)
+        bounded = is_bounded(arm, neighbourhood)
         if bounded and slid == 0:
             a = pose_of(arm, axpy(start, way, first), forearm)
             b = pose_of(arm, axpy(end, way, first), forearm)
-            bend = bend_near(arm, pose, neighbourhood.rates, farthest) * farthest * farthest / 2
-            neighbourhood = PoseNeighbourhood(
-                pose, neighbourhood.rates, neighbourhood.ways, a, b, bend
-            )
-        allowance = allowance_of(around, neighbourhood.rates)
+            bend = bend_near(arm, neighbourhood) * farthest * farthest / 2
+            neighbourhood = bent(neighbourhood, a, b, bend)
+        allowance = allowance_of(around, neighbourhood)
         if at == 1:  # the whole segment: what boxes do not keep clear of it
             for c in range(len(arm.capsules) // CAPSULE):
                 capsule, far = capsule_of((arm, neighbourhood), c), math.inf

@@ -35,15 +35,15 @@ from abi.robot.paper_arm.pose_kernels import (
     CAPSULE,
     COLUMN,
     NO_ARM,
-    NO_RATES,
     UPPER_ARM,
     ArmTable,
     capsule_ends,
     capsule_rates,
+    neighbourhood_of,
     pose_of,
-    rates_near,
     reaches,
     shoulder_holds,
+    unbounded_near,
 )
 
 
@@ -219,11 +219,13 @@ def touching_places(
         if beside:
             continue
         pose = pose_of(arm, tool, forearm)
-        rates = rates_near(arm, pose, 0.0, slide) if slide > 0 else NO_RATES
+        near = unbounded_near(pose, 0.0, slide)
+        if slide > 0:
+            near = neighbourhood_of(arm, pose, 0.0, slide)
         for s in rows:
             most = around.margins[s]
             if slide > 0:
-                most += (rates.slide + 1) * slide
+                most += (near.by_slide + 1) * slide
             upper, fore = False, False  # whether these are far away
             if s < count - 1:
                 a, b = pose.shoulder, pose.elbow
@@ -241,7 +243,7 @@ def touching_places(
                     continue
                 need = capsules[CAPSULE * c + 3] + around.margins[s]
                 if slide > 0:
-                    need += capsule_rates(arm, rates, c)[1] * slide
+                    need += capsule_rates(arm, near, c)[1] * slide
                 a, b = capsule_ends(arm, pose, c)
                 if s == count - 1:
                     touching[i] = min(a[2], b[2]) - around.floor < need

@@ -28,8 +28,8 @@ from abi.robot.paper_arm.pose_kernels import (
     UPPER_ARM,
     ArmTable,
     capsule_ends,
+    neighbourhood_of,
     pose_of,
-    rates_near,
     reaches,
 )
 from abi.tet_mesh.node_tree import NO_NODES, NodeTree
@@ -123,7 +123,7 @@ def _near_ball(
     if not reaches(arm, centre, forearm):
         return upper, fore, False, (first, second)
     pose = pose_of(arm, centre, forearm)
-    rate = rates_near(arm, pose, radius, 0.0).elbow
+    rate = neighbourhood_of(arm, pose, radius, 0.0).by_tool
     if math.isinf(rate):
         return upper, fore, False, (first, second)
     way, margin = stretch * rate * radius + _ROUNDING * around.size, around.margins[root]

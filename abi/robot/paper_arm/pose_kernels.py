@@ -86,25 +86,34 @@ class PaperArmPose(NamedTuple):
     reach: float
 
 
-class Rates(NamedTuple):
-    """Bounds of how much faster than the tool the elbow moves.
+class PoseNeighbourhood(NamedTuple):
+    """How far from a pose the arm may be, and how much faster than the tool its elbow moves there.
 
     Attributes:
-        elbow: L, per way of the tool.
-        slide: 1 / |sin q3|, per way of the slide.
+        pose: in the middle.
+        tool, slide: farthest that tool and slide get from there, [unit].
+        by_tool: L, way of the elbow per way of the tool; inf where it is not bounded.
+        by_slide: 1 / |sin q3|, its way per way of the slide; inf where it is not bounded.
         shortest, longest: forearm's length a6, [unit].
+        first, last: poses at the ends of a piece of a motion, if ``bend`` is finite.
+        bend: bound of the elbow's second derivative on it, times l²/8, l being its length, [unit];
+            inf where there is none.
     """
 
-    elbow: float
+    pose: PaperArmPose
+    tool: float
     slide: float
+    by_tool: float
+    by_slide: float
     shortest: float
     longest: float
+    first: PaperArmPose
+    last: PaperArmPose
+    bend: float
 
 
 NO_ARM = ArmTable(0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, -1.0, -1.0, FLOATS)
 """Example of an arm."""
-NO_RATES = Rates(math.inf, math.inf, 0.0, 0.0)
-"""Where nothing is bounded."""
 
 
 @jitable(forceinline=True)
@@ -143,8 +152,17 @@ def pose_of(arm: ArmTable, tool: Vec3, forearm: float) -> PaperArmPose:
 
 
 @jitable(forceinline=True)
-def rates_near(arm: ArmTable, pose: PaperArmPose, tool: float, slide: float) -> Rates:
-    """Rates within distances of the tool and of the slide from a pose, [unit]; inf where unbounded.
+def unbounded_near(pose: PaperArmPose, tool: float, slide: float) -> PoseNeighbourhood:
+    """Where tool and slide get so far from a pose, and nothing bounds how far the elbow gets."""
+    short, long, inf = pose.forearm - slide, pose.forearm + slide, math.inf
+    return PoseNeighbourhood(pose, tool, slide, inf, inf, short, long, pose, pose, inf)
+
+
+@jitable(forceinline=True)
+def neighbourhood_of(
+    arm: ArmTable, pose: PaperArmPose, tool: float, slide: float
+) -> PoseNeighbourhood:
+    """What is within distances of the tool and of the slide from a pose, [unit].
 
     cos q3 = (D² - a3² - a6²) / (2 a3 a6) is enclosed by its numerator and denominator. Near to
     stretched or folded its rounding counts: that of sin q3 is cot q3 times as large.
@@ -152,7 +170,7 @@ def rates_near(arm: ArmTable, pose: PaperArmPose, tool: float, slide: float) -> 
     upper = arm.upper
     near, far = pose.reach - tool, pose.reach + tool
     short, long = pose.forearm - slide, pose.forearm + slide
-    none = Rates(math.inf, math.inf, short, long)
+    none = unbounded_near(pose, tool, slide)
     if near <= 0 or short <= 0 or pose.across - tool <= 0:
         return none
     low = near * near - upper * upper - long * long
@@ -168,35 +186,47 @@ def rates_near(arm: ArmTable, pose: PaperArmPose, tool: float, slide: float) -> 
         return none
     out = abs(pose.out) + (tool + slide) / sine
     rate = max(1.0, 1 / sine, out / (pose.across - tool))
-    return Rates(rate, 1 / sine, short, long)
+    return PoseNeighbourhood(pose, tool, slide, rate, 1 / sine, short, long, pose, pose, math.inf)
 
 
 @jitable(forceinline=True)
-def bend_near(arm: ArmTable, pose: PaperArmPose, rates: Rates, tool: float) -> float:
+def bend_near(arm: ArmTable, near: PoseNeighbourhood) -> float:
     """Bound of the elbow's second derivative while the tool runs straight near a pose, [1/unit].
 
     Args:
         arm: the arm.
-        pose: the middle one.
-        rates: near it, bounded, with the slide fixed.
-        tool: farthest that the tool is from the pose, [unit].
+        near: where the elbow's way is bounded, and the slide fixed.
     """
-    fast, across = rates.slide, pose.across - tool
-    out = abs(pose.out) + tool * fast
+    pose, fast = near.pose, near.by_slide
+    across = pose.across - near.tool
+    out = abs(pose.out) + near.tool * fast
     turn = fast * ((1 + fast) ** 2 / pose.forearm + 1 / across + fast * fast / arm.upper)
     bend: float = turn + fast * fast / arm.upper + 2 * out / (across * across) + 2 * fast / across
     return bend
 
 
 @jitable(forceinline=True)
-def limits_hold_near(
-    arm: ArmTable, pose: PaperArmPose, rates: Rates, tool: float, slide: float
-) -> bool:
-    """Check whether q2 and q3 keep their limits within distances of tool and slide from a pose."""
-    near, long = pose.reach - tool, rates.longest
-    cosine = near * near - arm.upper * arm.upper - long * long
-    cosine /= 2 * arm.upper * (rates.shortest if cosine < 0 else long)
-    lowest = pose.elbow[2] - arm.shoulder - rates.elbow * tool - rates.slide * slide
+def bent(
+    near: PoseNeighbourhood, first: PaperArmPose, last: PaperArmPose, bend: float
+) -> PoseNeighbourhood:
+    """A piece of a motion with poses at its ends, and a bound of the elbow's second derivative."""
+    _, tool, slide, by_tool, by_slide, short, long, _, _, _ = near
+    return PoseNeighbourhood(
+        near.pose, tool, slide, by_tool, by_slide, short, long, first, last, bend
+    )
+
+
+@jitable(forceinline=True)
+def is_bounded(arm: ArmTable, near: PoseNeighbourhood) -> bool:
+    """Check whether the elbow's way is bounded near a pose, and q2 and q3 keep their limits."""
+    if math.isinf(near.by_tool):
+        return False
+    least, long = near.pose.reach - near.tool, near.longest
+    cosine = least * least - arm.upper * arm.upper - long * long
+    cosine /= 2 * arm.upper * (near.shortest if cosine < 0 else long)
+    lowest = near.pose.elbow[2] - arm.shoulder
+    lowest -= near.by_tool * near.tool
+    lowest -= near.by_slide * near.slide
     hold: bool = cosine >= arm.least_cosine_q3 and lowest >= arm.upper * arm.least_cosine_q2
     return hold
 
@@ -233,7 +263,7 @@ def capsule_share(arm: ArmTable, forearm: float, c: int) -> float:
 
 
 @jitable(forceinline=True)
-def capsule_rates(arm: ArmTable, rates: Rates, c: int) -> tuple[float, float]:
+def capsule_rates(arm: ArmTable, near: PoseNeighbourhood, c: int) -> tuple[float, float]:
     """Ways of every point of capsule c's segment, per way of the tool and of the slide."""
     capsules = arm.capsules
     body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
@@ -241,17 +271,17 @@ def capsule_rates(arm: ArmTable, rates: Rates, c: int) -> tuple[float, float]:
         return 0.0, 0.0
     if body == UPPER_ARM:
         share = max(abs(low), abs(high)) / arm.upper
-        return share * rates.elbow, share * rates.slide
+        return share * near.by_tool, share * near.by_slide
     slides = body != FOREARM
     most, slid = 0.0, 0.0
-    for forearm in (rates.shortest, rates.longest):
+    for forearm in (near.shortest, near.longest):
         for end in (low, high):
             at = end + (forearm - arm.forearm if slides else 0.0)
             behind, ahead = abs(1 - at / forearm), abs(at / forearm)
-            most = max(most, behind * rates.elbow + ahead)
-            by_slide = behind * (rates.slide + 1) if slides else behind * rates.slide + ahead
+            most = max(most, behind * near.by_tool + ahead)
+            by_slide = behind * (near.by_slide + 1) if slides else behind * near.by_slide + ahead
             slid = max(slid, by_slide)
-        if rates.shortest == rates.longest:  # nothing slides
+        if near.shortest == near.longest:  # nothing slides
             break
     return most, slid
 

@@ -14,7 +14,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.paper_arm.paper_arm import PaperArm
-from abi.robot.paper_arm.pose_kernels import bend_near, pose_of, rates_near, reaches
+from abi.robot.paper_arm.pose_kernels import bend_near, neighbourhood_of, pose_of, reaches
 from abi.scene.arm_settings import ArmSettings
 from tests.abi import meshes
 from tests.random_geometry import random_obstacle
@@ -43,14 +43,14 @@ def test_the_elbow_bends_no_more_than_its_bound(seed: int) -> None:
     half = float(random.uniform(0.01, 0.5))
     assume(reaches(table, tuple(middle.tolist()), forearm))
     pose = pose_of(table, tuple(middle.tolist()), forearm)
-    rates = rates_near(table, pose, half, 0.0)
-    assume(np.isfinite(rates.elbow))
+    near = neighbourhood_of(table, pose, half, 0.0)
+    assume(np.isfinite(near.by_tool))
     steps = np.linspace(-half, half, 81)
     elbows = np.array(
         [pose_of(table, tuple((middle + t * way).tolist()), forearm).elbow for t in steps]
     )
     second = np.diff(elbows, 2, axis=0) / (steps[1] - steps[0]) ** 2
-    bound = bend_near(table, pose, rates, half)
+    bound = bend_near(table, near)
     assert np.linalg.norm(second, axis=1).max() <= bound * (1 + 1e-6) + 1e-7
 
 
