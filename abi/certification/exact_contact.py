@@ -23,8 +23,7 @@ def touches(problem: MotionProblem, parameter: float, link: str, other: int | st
 
 def may_touch(problem: MotionProblem, parameter: float, link: str, other: int | str) -> bool:
     """Decide whether a link touches something, or comes as near as cylinders' edges are inexact."""
-    first, second, turn, origin = _beside(problem, parameter, link, other)
-    return solid_contact.touch(first, second, turn, origin, first.bulge + second.bulge)
+    return solid_contact.may_touch(*_beside(problem, parameter, link, other))
 
 
 def depth(problem: MotionProblem, parameter: float, link: str, other: int | str) -> float:

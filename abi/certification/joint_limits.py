@@ -19,6 +19,8 @@ _SAMPLES, _STEP = 5, 0.05
 largest step of a joint between two of them, [rad] or [m]."""
 _MOST_ROWS = 200_000
 """Places of a motion at most, beyond those at least."""
+_NO_TERM = 1e-10
+"""Coefficient that counts as none, over the largest: roots of rounding are anywhere."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -117,10 +119,11 @@ def _extremes(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     degree = len(points) - 1
     shares = [0.0, 1.0]
     if degree > 1:
-        slopes = np.diff(points)
-        monomials = _monomials(slopes)
-        if np.abs(monomials[1:]).max(initial=0.0) > 1e-14 * np.abs(monomials).max():
-            roots = np.polynomial.polynomial.polyroots(np.trim_zeros(monomials, "b"))
+        slopes = _monomials(np.diff(points))
+        slopes[np.abs(slopes) <= _NO_TERM * np.abs(slopes).max()] = 0
+        slopes = np.trim_zeros(slopes, "b")
+        if len(slopes) > 1:
+            roots = np.polynomial.polynomial.polyroots(slopes)
             real = roots[np.abs(roots.imag) < 1e-9].real
             shares += real[(real > 0) & (real < 1)].tolist()
     at = np.array(shares)

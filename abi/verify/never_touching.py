@@ -96,7 +96,7 @@ def never_touch(robot: Robot, chain: ExactChain, first: str, second: str) -> boo
     half = np.array([float(high - low) / 2 for low, high in (chain.limits[k] for k in used)])
     if all(abs(one.rate) == 1 and not one.slides for one in axes):
         half = np.minimum(half, np.pi)  # after a turn all is as before
-    slack = max(_rim(robot, name) for name in (first, second)) * float(chain.units)
+    slack = sum(_rim(robot, name) for name in (first, second)) * float(chain.units)
     some = np.random.default_rng(0).uniform(-half, half, (_POSES, len(half)))
     if _meeting(still, moved, axes, some, np.zeros(_POSES)).any():
         return False

@@ -50,10 +50,11 @@ def check_curve(
     margin = claimed_margin(name, section, required, obstacles, _TOUCH)
     if margin is None:
         return "there is no obstacle"
-    if margin < 0 and not all(map(_is_deep, obstacles)):
+    are_deep = all(map(_is_deep, obstacles))
+    if margin < 0 and not are_deep:
         raise Fault("its margin is negative")
-    if any(isinstance(one, ExactMesh) for one in obstacles) and margin <= gap:
-        raise Fault("it keeps no distance from a mesh, and may go through")
+    if margin <= gap and (gap > _TOUCH or not are_deep):
+        raise Fault("it keeps no distance from an obstacle, and may go through")
     span = curve[0].start, curve[-1].end
     for k, obstacle in enumerate(obstacles):
         label = f"obstacle {k + 1}"

@@ -11,7 +11,7 @@ from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.robot.bodies.chain_capsules import meeting
 from abi.robot.bodies.link_solids import LinkSolids, link_solids
-from abi.robot.bodies.solid_contact import compile_kernels, depth, distance, touch
+from abi.robot.bodies.solid_contact import compile_kernels, depth, distance, may_touch, touch
 from abi.robot.urdf_arm import UrdfArm
 
 _Pose = tuple[FloatArray, FloatArray]
@@ -28,8 +28,9 @@ def link_gap(
     """Distance of a link from what one of its bodies comes too near to, [unit].
 
     It is above 0, and at least their distance, where they do not touch; otherwise it is how far the
-    link is in the other, at least, as a negative number, or 0. Of links without shapes, and of
-    those with very many triangles, that is not decided: the result is None.
+    link is in the other, at least, as a negative number, or 0. Of links without shapes, of those
+    with very many triangles, and where only the roundness of cylinders decides, that is not
+    decided: the result is None.
 
     Args:
         arm: the arm.
@@ -50,14 +51,16 @@ def link_gap(
     return _gap(LinkSolids((around.obstacles[other],)), solids, placed)
 
 
-def _gap(beside: LinkSolids, solids: LinkSolids, placed: _Pose) -> float:
+def _gap(beside: LinkSolids, solids: LinkSolids, placed: _Pose) -> float | None:
     """Distance of a link from another body, in whose frame it is placed, as of a pair."""
     both = beside, solids, *placed
-    return -depth(*both) if touch(*both) else max(distance(*both), _APART)
+    if touch(*both):
+        return -depth(*both)
+    return None if may_touch(*both) else max(distance(*both), _APART)
 
 
 @lru_cache(maxsize=256)
-def _own_gap(arm: UrdfArm, link: str, other: str, between: bytes) -> float:
+def _own_gap(arm: UrdfArm, link: str, other: str, between: bytes) -> float | None:
     """Distance of two links, by the positions of the joints between them; cached."""
     beside = _beside(arm, link, other, between)
     return _gap(_solids(arm, other), _solids(arm, link), beside)

@@ -92,6 +92,14 @@ def touch(
     return bool((there < 0).any() or (back < 0).any())
 
 
+def may_touch(first: LinkSolids, second: LinkSolids, turn: FloatArray, origin: FloatArray) -> bool:
+    """Decide whether two bodies touch, or come as near as cylinders' edges are inexact.
+
+    Arguments are those of :func:`touch`.
+    """
+    return touch(first, second, turn, origin, first.bulge + second.bulge)
+
+
 def depth(first: LinkSolids, second: LinkSolids, turn: FloatArray, origin: FloatArray) -> float:
     """How far a corner or an edge of one of two bodies is inside the other, at least, [unit].
 

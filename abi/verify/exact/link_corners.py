@@ -26,6 +26,10 @@ _NEAR = 1e-6
 _TINY = 1e-300
 _HEAVY = 1e4
 """Weight of a mean's parts having the sum 1, beside its place."""
+_THIN = 1e-7
+"""Depth of a hull's middle, over its largest coordinate, below which it counts as flat."""
+_FAR = 1e9
+"""Largest coordinate of a piece, over the accepted distance: rounding is far less then."""
 _POINTS = 600
 """Number of random points of each shape."""
 _AROUND = np.linspace(0, 2 * np.pi, 16, endpoint=False)
@@ -111,11 +115,13 @@ def _inside(points: FloatArray, one: LinkPiece, allowed: float) -> BoolArray:
 def _in_hull(corners: FloatArray, hull: MovedHull, allowed: float) -> BoolArray:
     """Check which of points (n, 3) are in a hull, up to a distance."""
     points, room = np.array(hull.points, dtype=np.float64), float(hull.radius) + allowed
+    far = float(np.abs(points).max())
+    if far > _FAR * allowed:
+        return np.zeros(len(corners), dtype=np.bool_)
     if len(points) <= 2:
         return np.asarray(_distances(corners, points[[0, -1]]) <= room)
-    try:
-        whole = scipy.spatial.ConvexHull(points)
-    except scipy.spatial.QhullError:  # it is flat: how far is each from a mean of the points?
+    whole = _facets(points, _THIN * far)
+    if whole is None:  # how far is each from a mean of the points?
         return np.array([_from_means(corner, points) <= room for corner in corners], dtype=np.bool_)
     planes = corners @ whole.equations[:, :3].T + whole.equations[:, 3]
     away = planes.max(axis=1, initial=-1.0)
@@ -127,6 +133,17 @@ def _in_hull(corners: FloatArray, hull: MovedHull, allowed: float) -> BoolArray:
         if len(seen):
             inside[seen] = _from_triangle(corners[seen], points[whole.simplices[facet]]) <= room
     return np.asarray(inside)
+
+
+def _facets(points: FloatArray, thin: float) -> scipy.spatial.ConvexHull | None:
+    """The hull of points (n, 3); None if it is flat, so that rounding would turn its facets."""
+    try:
+        whole = scipy.spatial.ConvexHull(points)
+    except scipy.spatial.QhullError:
+        return None
+    middle = points[whole.vertices].mean(axis=0)
+    depth = -float((whole.equations[:, :3] @ middle + whole.equations[:, 3]).max())
+    return whole if depth > thin else None
 
 
 def _from_means(corner: FloatArray, points: FloatArray) -> float:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 import scipy
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from abi.arm_planning.world.arm_worlds import chain_world
-from abi.arm_planning.world.link_contact import are_apart, link_gap
+from abi.arm_planning.world.link_contact import _gap, are_apart, link_gap
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.primitives import Sphere
+from abi.obstacles.primitives import Box, Cylinder, Sphere
 from abi.robot.bodies.link_solids import SIDES, LinkSolids
 from abi.robot.urdf_arm import UrdfArm
 from tests.abi.arm_planning.test_chain_distances import some_arm
@@ -100,3 +103,20 @@ def test_the_lowest_point_of_shapes_is_that_of_the_boxes_around_them(seed: int) 
     assert solids.lowest(upside_down, np.zeros(3)) == pytest.approx(
         -float(solids.bounds[1][2]), abs=size * (1 - np.cos(np.pi / SIDES))
     )
+
+
+@pytest.mark.parametrize(
+    ("face", "least", "most"), [(0.99, -1, 0), (0.999, None, None), (1.01, 0, 0.02)]
+)
+def test_only_roundness_decides_whether_a_drum_touches_a_wall(
+    face: float, least: float | None, most: float | None
+) -> None:
+    """The drum's edges are those of a polygon in it, whose sides are 0.9979 from its axis."""
+    drum, half = LinkSolids((Cylinder(radius=1, height=1),)), math.pi / 48
+    wall = LinkSolids((Box(size=(2, 9, 9), position=(face + 1, 2, 0)),))
+    turn = Rotation.from_euler("z", half).as_matrix()
+    found = _gap(drum, wall, (turn, np.zeros(3)))
+    if found is None or least is None or most is None:
+        assert found is least is most
+    else:
+        assert least <= found <= most

@@ -18,10 +18,10 @@ from abi.arrays import FloatArray
 from abi.certification import exact_contact
 from abi.certification.certify_motion import _what_fits, certify_motion
 from abi.certification.clearance_proof import UndecidedPair, nearest
-from abi.certification.joint_limits import joint_limits
+from abi.certification.joint_limits import _extremes, joint_limits
 from abi.certification.motion import Motion
 from abi.certification.read_motion import load_motion
-from abi.certification.robot_motion import robot_motion
+from abi.certification.robot_motion import bezier_points, robot_motion
 from abi.certification.robot_scene import robot_scene
 from abi.certification.verdict import MotionVerdict
 from abi.certification.verdict_words import limit_sentences
@@ -208,6 +208,22 @@ def test_limits_are_found_where_polynomials_are_largest() -> None:
     assert verdict.limits.peaks["acceleration"] is not None
     straight = verdict_of(scene_with([]), swing())
     assert straight.limits.peaks["acceleration"] is None
+
+
+def test_a_motion_is_largest_where_it_is_also_if_its_polynomials_are_of_less_degree() -> None:
+    random, polynomial = np.random.default_rng(0), np.polynomial.Polynomial
+    shares = np.linspace(0.0, 1.0, 801)
+    for degree in (2, 2, 3, 4) * 30:
+        way, span = polynomial(random.normal(size=degree + 1)), float(random.uniform(0.1, 9.0))
+        ends = np.array([0.0, span])
+        q, v, a = (way.deriv(k)(ends / span)[:, None] / span**k for k in range(3))
+        # what a controller makes of a parabola's ends is a cubic whose last coefficient is rounding
+        motion = Motion(("a",), ends, q, v, None if degree == 2 else a)
+        points = bezier_points(motion)[0, :, 0]
+        for order in range(2):
+            most = float(np.abs(way.deriv(order)(shares)).max())
+            assert np.abs(_extremes(points)[1]).max() >= most * (1 - 1e-9)
+            points = len(points[1:]) * np.diff(points)
 
 
 def test_a_link_inside_a_mesh_from_the_first_waypoint_on_is_told(tmp_path: Any) -> None:

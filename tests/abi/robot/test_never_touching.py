@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import re
 from typing import Any
 
 import numpy as np
@@ -125,6 +127,22 @@ def test_a_contact_in_a_small_part_of_the_range_is_not_passed_over(
     for links in (("ring", "pin"), ("pin", "ring")):
         assert never_touch(chain, *links) == never
         assert verified.never_touch(robot, exact, *links) == never
+
+
+@pytest.mark.parametrize("apart", [False, True])
+def test_two_drums_are_apart_only_if_both_of_their_rims_are(apart: bool) -> None:
+    drum = '<link name="{}"><collision><geometry><cylinder radius="1" length="1"/></geometry>'
+    drum += "</collision></link>"
+    # turned by half a corner of 192, both prisms have their sides towards each other
+    way, turned = 2 + (3e-4 if apart else -4e-5), math.pi / 192
+    place = f'xyz="{way * math.cos(turned)} {way * math.sin(turned)} 0"'
+    limit = '<limit lower="-1e-5" upper="1e-5"/>'
+    slide = joint("p", "a", "b", "prismatic", "0 0 1", limit)
+    slide = re.sub("<origin[^>]*>", f"<origin {place}/>", slide)
+    text = urdf(drum.format("a"), drum.format("b"), slide)
+    robot = robot_from_archive(packed({"a.urdf": text}))
+    exact = exact_joints(robot, ("p",), (0, 0, 0), 1)
+    assert verified.never_touch(robot, exact, "a", "b") == apart
 
 
 def scene(files: dict[str, Any]) -> Scene:

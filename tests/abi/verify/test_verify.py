@@ -399,15 +399,26 @@ def test_a_curve_that_jumps_is_refused(honest: Data, jump: float) -> None:
     assert ("the curve jumps at 0.5" in reason) == (jump > 1)
 
 
-@pytest.mark.parametrize("jump", [0.0, 4e-10])
-def test_no_touch_and_no_gap_of_rounding_leads_through_a_wall_without_thickness(
-    honest: Data, jump: float
+@pytest.mark.parametrize(
+    ("shape", "thickness", "jump", "where"),
+    [
+        ("mesh", 0, 0, 0.5),
+        ("mesh", 0, 4e-10, 0.5),
+        ("box", 1e-10, 4e-10, 0.5),
+        ("box", 1e-4, 1e-4, 4e5),
+    ],
+)
+def test_no_touch_and_no_gap_of_rounding_leads_through_a_thin_wall(
+    honest: Data, shape: str, thickness: float, jump: float, where: float
 ) -> None:
-    points = [[0, 0, 0], [0, 0, 0.5 - jump], [0, 0, 0.5 + jump], [0, 0, 1]]
+    points = [[0, 0, 0], [0, 0, where - jump], [0, 0, where + jump], [0, 0, 2 * where]]
     wall = clean(np.array([[-9, -9, 0.5], [9, -9, 0.5], [0, 9, 0.5]]), np.array([[0, 1, 2]]))
     data = copy.deepcopy(honest)
     data["scene"] |= {"start": points[0], "goal": points[-1]}
-    data["scene"]["obstacles"] = [{"shape": "mesh", "file": "wall.stl", "position": [0, 0, 0]}]
+    data["scene"]["workspace"]["max"][2] = 2 * where
+    own = {"file": "wall.stl"} if shape == "mesh" else {"size": [9, 9, thickness]}
+    place = [0, 0, where if shape == "box" else 0]
+    data["scene"]["obstacles"] = [{"shape": shape, **own, "position": place}]
     data["scene"]["spline"] = {"clearance": 0.0}
     data["bspline"] |= {"degree": 1, "control_points": points, "knots": [0, 0, 0.5, 0.5, 1, 1]}
     planes = [
@@ -416,7 +427,7 @@ def test_no_touch_and_no_gap_of_rounding_leads_through_a_wall_without_thickness(
     ]
     data["bspline"] |= {"clearance": 0.0, "certificate": {"margin": 0.0, "planes": planes}}
     found = verdict(data, folder=MeshSource({"wall.stl": wall}))
-    assert "keeps no distance from a mesh" in found.reason
+    assert "keeps no distance from an obstacle" in found.reason
 
 
 def test_quaternions_of_any_length_turn_alike(honest: Data) -> None:

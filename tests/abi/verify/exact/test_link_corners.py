@@ -7,13 +7,20 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from abi.arrays import FloatArray
 from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import robot_from_archive
 from abi.verify.allowed_contacts import check_insides
-from abi.verify.exact.link_corners import _corners, _in_hull, check_corners, check_lines
+from abi.verify.exact.link_corners import (
+    _corners,
+    _from_means,
+    _in_hull,
+    check_corners,
+    check_lines,
+)
 from abi.verify.exact.robot_chain import exact_chain
 from abi.verify.exact.solids import ExactSolid, LinkPiece, MovedHull, vector
 from abi.verify.fault import Fault
@@ -124,3 +131,17 @@ def test_a_hull_with_a_radius_holds_what_is_as_near_to_it(flat: bool, width: flo
         (piece,) = around(points, 0.2)
         assert _in_hull(tips + 0.99 * away, piece, 1e-6).all()
         assert not _in_hull(tips + 1.01 * away, piece, 1e-6).any()
+
+
+def test_a_hull_holds_nothing_by_rounding_of_its_corners_or_facets() -> None:
+    for seed in range(20):  # plates so thin that their facets may stand anyhow
+        random, turn = np.random.default_rng(seed), Rotation.random(random_state=seed)
+        points = turn.apply(random.normal(size=(8, 3)) * [1.0, 1.0, 1.5e-14])
+        middle = points.mean(axis=0)
+        farther = np.concatenate([middle + way * (points - middle) for way in (1.05, 1.2, 2.0)])
+        outside = farther[[_from_means(one, points) > 1e-3 for one in farther]]
+        assert not _in_hull(outside, around(points, 0.0)[0], 1e-6).any()
+    near = turn.apply(random.normal(size=(9, 3)))
+    for corners in (2, 3, 4):  # far away, where numbers are 0.1 apart
+        points = turn.apply(1e15 * random.normal(size=(corners, 3)))
+        assert not _in_hull(near, around(points, 0.1)[0], 1e-6).any()
