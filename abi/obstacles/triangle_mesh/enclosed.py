@@ -78,8 +78,8 @@ def with_enclosed(vertices: FloatArray, shells: Shells, given: IntArray) -> Shel
             sheets.append(faces[rows])
             continue
         asked += len(rows)
-        cells = _Cells(vertices, faces[rows])
-        are_wound, most = cells.are_wound(winding[rows], in_file[:, rows])
+        cells = _Cells(vertices, faces[rows], winding[rows])
+        are_wound, most = cells.are_wound(in_file[:, rows])
         if are_wound and most <= 1:
             continue
         cycles, loose = cells.cycles()
@@ -164,10 +164,12 @@ class _Cells:
     Attributes:
         vertices: (n, 3).
         faces: (m, 3), each once, from any side.
+        winding: (m,) how often solids have each from its front, less from behind.
     """
 
     vertices: FloatArray
     faces: IntArray
+    winding: IntArray
 
     @cached_property
     def oriented(self) -> IntArray:
@@ -263,6 +265,12 @@ class _Cells:
         cell = np.array([numbers.setdefault(name, len(numbers)) for name in one])
         return cell, np.array([a == b for a, b in zip(one, other, strict=True)])
 
+    @cached_property
+    def times(self) -> IntArray:
+        """How often the solids wind around the points."""
+        flipped = (self.oriented != self.faces).any(axis=1)
+        return self.wound(np.where(flipped, -self.winding, self.winding))
+
     def wound(self, winding: IntArray) -> IntArray:
         """How often faces wind around the points, given how often each (m,) of them counts."""
         point, face, side = self.met[0]
@@ -273,7 +281,7 @@ class _Cells:
     def are_few(self) -> bool:
         return bool(self.patch.max() < _MOST_PATCHES)
 
-    def are_wound(self, winding: IntArray, in_file: BoolArray) -> tuple[bool, int]:
+    def are_wound(self, in_file: BoolArray) -> tuple[bool, int]:
         """Whether all that is enclosed is wound around, at points beside the faces; most times.
 
         A negative number of times is not enough: with what others wind around it, it may be none.
@@ -281,12 +289,10 @@ class _Cells:
         the file has to be.
 
         Args:
-            winding: (m,) how often each of the faces counts from its front, less from behind.
             in_file: (2, m) whether the file has each as it is here, and turned.
         """
         flipped = (self.oriented != self.faces).any(axis=1)
-        times = self.wound(np.where(flipped, -winding, winding))
-        wound, most = times > 0, int(times.max())
+        wound, most = self.times > 0, int(self.times.max())
         if self.are_few:
             cell, sure = self.cell
             return bool((wound | (cell == 0) | ~sure).all()), most
@@ -335,9 +341,10 @@ class _Cells:
             found.append(faces)
             winding += turned
             used |= turned != 0
-        winding = winding[self.patch]
         cell, sure = self.cell
-        if ((self.wound(winding) > 0) != (cell > 0))[sure].any():
+        wound = self.wound(winding[self.patch]) > 0
+        # where triangles lie on others, the cells do not tell all that solids wind around
+        if (wound != (cell > 0))[sure].any() or (~wound & (self.times != 0)).any():
             return nothing
         return found, self.faces[~used[self.patch]]
 

@@ -25,6 +25,7 @@ from abi.obstacles.triangle_mesh.enclosed import with_enclosed
 from abi.obstacles.triangle_mesh.flat_triangles import uncovered_lines
 from abi.obstacles.triangle_mesh.rays import rays_met
 from abi.obstacles.triangle_mesh.shells import (
+    Edges,
     Shells,
     areas_of,
     have_both_sides,
@@ -217,11 +218,12 @@ def _split(
     if solid.all():
         return split
     # sheets, as this repair leaves them, have both sides, and stay sheets when they are read again
-    both = np.sort(without_duplicates(faces)[1], axis=1)
+    both, given = np.sort(faces[have_both_sides(faces)], axis=1), np.sort(faces, axis=1)
     stays = solid | in_rows(np.sort(kept, axis=1), both)
     if stays.all():
         return split
-    near, near_faces, moved = weld_nearby(vertices, kept[~stays], _WELD * size)
+    loose = faces[~in_rows(given, np.sort(kept[stays], axis=1))]
+    near, near_faces, moved = weld_nearby(vertices, loose, _WELD * size)
     pieces, beside = split_at_corners(near, near_faces, _WELD * size)
     corners, ids = np.concatenate([near, vertices]), kept[stays] + np.int32(len(near))
     corners, faces = weld(corners, np.concatenate([ids, pieces]))
@@ -243,8 +245,8 @@ def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> Shells:
     Solids that touch in a face have its triangles twice, once from each side, as surfaces have
     that are to be seen from both; where one stands in the other, flush with its side, they are
     there twice from the same side. So all are kept only where one does not bound a solid. Of the
-    ways to read them, with sides as in the file or as most of their neighbours have them, that one
-    is taken by which the fewest triangles are sheets.
+    ways to read them, all as in the file if that has no border, or some, with sides as in the file
+    or as most of their neighbours have them, that one is taken by which the fewest are sheets.
     """
     kept, other_sides = without_duplicates(faces)
     shells = shells_of(vertices, kept)
@@ -255,10 +257,12 @@ def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> Shells:
         agreeing = shells.faces
         same = agreeing[in_rows(np.sort(kept, axis=1), np.sort(other_sides, axis=1))]
         told, least = shells.notes, len(faces) + 1
-        ways = ((kept, other_sides, ()), (kept, repeated, ()), (agreeing, same, told))
-        for once, more, before in ways:
-            all_of_sheet = in_rows(np.sort(more, axis=1), sheets)
-            both = np.concatenate([once, more[all_of_sheet]])
+        of_sheets = [
+            np.concatenate([once, more[in_rows(np.sort(more, axis=1), sheets)]])
+            for once, more in ((kept, other_sides), (kept, repeated), (agreeing, same))
+        ]
+        ways = [(faces, ()), *zip(of_sheets, ((), (), told), strict=True)]
+        for both, before in ways[int(Edges.of(faces).balance.any()) :]:
             turned = shells_of(vertices, faces_in_order(both))
             ordered = shells_of(vertices, faces_in_order(turned.faces))
             thin = int((~ordered.is_solid | _is_thin(vertices, ordered)).sum())

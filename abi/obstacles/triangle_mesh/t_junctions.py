@@ -21,6 +21,8 @@ def split_at_corners(
 ) -> tuple[IntArray, IntArray]:
     """Split triangles whose free edges run past corners, so that these edges have two sides.
 
+    An edge is free where its sides do not cancel: that of one solid may have two sides of another.
+
     Args:
         vertices: (n, 3) coordinates.
         faces: (m, 3) ids of the corners.
@@ -46,8 +48,9 @@ def _split_once(
     """Faces (k,) to split along one edge each, their pieces, and those that pieces lie beside."""
     sides = np.stack([faces, faces[:, [1, 2, 0]]], axis=-1).reshape(-1, 2)
     keys = sides.min(axis=1).astype(np.int64) * len(vertices) + sides.max(axis=1)
-    _, edge, counts = np.unique(keys, return_inverse=True, return_counts=True)
-    free = np.flatnonzero(counts[edge] == 1)
+    _, edge = np.unique(keys, return_inverse=True)
+    balance = np.bincount(edge, np.where(sides[:, 0] < sides[:, 1], 1, -1))
+    free = np.flatnonzero(balance[edge] != 0)
     none = np.empty(0, dtype=np.int64)
     ends = np.unique(sides[free])
     if not len(free):

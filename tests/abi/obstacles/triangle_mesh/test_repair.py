@@ -363,6 +363,24 @@ def test_a_solid_with_corners_on_the_edges_of_others_stays_solid(
     assert MeshShape.of(surface).signed_distance(points).max() < 1e-15
 
 
+@pytest.mark.parametrize("noise", [0, 2e-8])
+def test_a_box_and_its_flush_half_stay_solid_with_corners_on_their_edges(noise: float) -> None:
+    """Edges of one that are split on one side lie on edges and triangles of the other."""
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        vertices, faces = meshes.joined(meshes.box((4, 4, 4)), meshes.box((2, 4, 4), (-1, 0, 0)))
+        soup = []
+        for a, b, c in np.roll(vertices[faces], rng.integers(3), axis=1):
+            is_cut = rng.random() < 0.3
+            soup += [(a, (a + b) / 2, c), ((a + b) / 2, b, c)] if is_cut else [(a, b, c)]
+        corners = np.reshape(soup, (-1, 3))
+        corners += rng.uniform(-noise, noise, corners.shape)
+        surface = clean(corners, np.arange(len(corners), dtype=np.int32).reshape(-1, 3))
+        assert surface.closed
+        assert inside(surface, PROBES[in_box(PROBES, 3.9)]).all()
+        assert not any("inside out" in note for note in surface.notes)
+
+
 def test_a_corner_beside_an_edge_closes_nothing() -> None:
     vertices, faces = BOX
     a, b, c = faces[0]
