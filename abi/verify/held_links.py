@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Container, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
@@ -73,11 +73,15 @@ def held_in_each_other(
 
 
 def held_in_mounts(
-    scene: Scene, chain: ExactChain, obstacles: Sequence[ExactSolid | ExactMesh]
+    scene: Scene,
+    chain: ExactChain,
+    obstacles: Sequence[ExactSolid | ExactMesh],
+    asked: Container[tuple[str, int | str]],
 ) -> str:
     """What is said of links that joints hold in what the robot stands on, as a sentence's end.
 
-    They are compared a little above where they are, so that what stands on it is apart.
+    They are compared a little above where they are, so that what stands on it is apart; ``asked``
+    pairs are not.
     """
     carried, units = _carriers(scene, chain), float(chain.units)
     up = np.array(chain.places[scene.robot.root][:3, 2], dtype=np.float64)
@@ -88,17 +92,23 @@ def held_in_mounts(
     }
     found = [
         f"{name} in obstacle {number + 1}"
-        for name, number in _in_obstacles(scene, chain, raised, obstacles, beneath=True)
+        for name, number in _in_obstacles(scene, chain, raised, obstacles, asked, beneath=True)
     ]
     return _listed("held in what the robot stands on", found)
 
 
 def check_still(
-    scene: Scene, chain: ExactChain, obstacles: Sequence[ExactSolid | ExactMesh]
+    scene: Scene,
+    chain: ExactChain,
+    obstacles: Sequence[ExactSolid | ExactMesh],
+    asked: Container[tuple[str, int | str]],
 ) -> None:
-    """Raise if a link that stands still is in an obstacle that is not beneath the base."""
+    """Raise if a link that stands still is in an obstacle that is not beneath the base.
+
+    But for ``asked`` pairs.
+    """
     still = {name: in_frame(name, scene.robot, chain, around=True) for name in _still(scene, chain)}
-    for name, number in _in_obstacles(scene, chain, still, obstacles, beneath=False):
+    for name, number in _in_obstacles(scene, chain, still, obstacles, asked, beneath=False):
         raise Fault(f"{name} stands in obstacle {number + 1}")
 
 
@@ -107,6 +117,7 @@ def _in_obstacles(
     chain: ExactChain,
     links: Mapping[str, LinkTriangles],
     obstacles: Sequence[ExactSolid | ExactMesh],
+    asked: Container[tuple[str, int | str]],
     beneath: bool,
 ) -> list[tuple[str, int]]:
     """Links, and numbers of obstacles that they touch and may not, beneath the base or not."""
@@ -116,7 +127,7 @@ def _in_obstacles(
         near = [
             name
             for name, one in links.items()
-            if (name, number) not in arm.allowed and boxes_overlap(one, solid)
+            if (name, number) not in asked and boxes_overlap(one, solid)
         ]
         stands = near and is_beneath(
             obstacle, np.array(arm.base), arm.base_wxyz, float(chain.units)

@@ -88,11 +88,13 @@ def _largest_way(column: Sequence[Fraction]) -> Fraction:
 
 
 def _largest_turn(column: Sequence[Fraction]) -> Fraction:
-    """Largest second difference."""
+    """Largest second difference, and the ways beside both ends, where joints are at rest.
+
+    An acceleration from rest is twice such a way; half of that is asked, as it may grow less.
+    """
     parts = zip(column, column[1:], column[2:], strict=False)
-    return max(
-        (abs(after - 2 * here + before) for before, here, after in parts), default=Fraction(0)
-    )
+    inner = (abs(after - 2 * here + before) for before, here, after in parts)
+    return max(abs(column[1] - column[0]), abs(column[-1] - column[-2]), *inner)
 
 
 def _stated(section: dict[str, Any], name: str, number: int, count: int) -> Fraction | None:

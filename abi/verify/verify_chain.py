@@ -149,7 +149,7 @@ def check_chain(
     sunk = sorted(a for a, other in allowed if other == "floor" and chain.frames[a] >= 0)
     left_out = f"{_left_out(certificate)}{not_compared([*sunk, *held_below_floor(scene, chain)])}"
     left_out += held_in_each_other(scene, chain, scene.arm.allowed)
-    left_out += held_in_mounts(scene, chain, obstacles)
+    left_out += held_in_mounts(scene, chain, obstacles, scene.arm.allowed)
     return (
         f"{words}, and clear of the floor and each other ({len(pairs)} pairs), by {count} "
         f"directions{kept}{left_out}"

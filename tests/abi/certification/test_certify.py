@@ -290,9 +290,12 @@ def test_what_stands_still_may_touch_only_what_it_stands_on(
         pairs = [[one.link, 0] for one in verdict.touches]
         let = verdict_of(verdict.scene.replace(arm={"allowed": pairs}), swing())
         assert let.state == "clear"
-        told = verify(json.loads(json.dumps(let.to_dict())), let.scene.meshes)[-1]
+        data = json.loads(json.dumps(let.to_dict()))
+        told = verify(data, let.scene.meshes)[-1]
         assert told.proven
         assert f"allowed to touch are {pairs[0][0]} and obstacle 1" in told.reason
+        data["allowed"] = [one for one in data["allowed"] if one["reason"] != "asked"]
+        assert "stands in obstacle 1" in verify(data, let.scene.meshes)[-1].reason
     # the verifier finds by itself what was not compared
     monkeypatch.setattr("abi.certification.certify_motion._standing_in", lambda *_: ([], []))
     scene = verdict.scene

@@ -28,7 +28,8 @@ def told(rows: Any, duration: float) -> dict[str, Any]:
     """What a plan tells of samples."""
     step = duration / (len(rows) - 1)
     speeds = np.abs(np.gradient(rows, step, axis=0)).max(axis=0)
-    growths = np.abs(np.diff(rows, 2, axis=0)).max(axis=0) / step**2
+    ways = np.abs(np.diff(rows, axis=0))[[0, -1]].max(axis=0)
+    growths = np.maximum(np.abs(np.diff(rows, 2, axis=0)).max(axis=0), ways) / step**2
     passed = {
         (name, quantity): value
         for quantity, values, limit in (("speed", speeds, SPEED), ("acceleration", growths, ASKED))
@@ -68,6 +69,18 @@ def test_what_passes_a_limit_has_to_be_told(seed: int, duration: float) -> None:
                 Fault, match=f"{one['joint']} passes its limit of {one['quantity']}"
             ):
                 check_rates(section | {"limits_passed": entries}, duration, exact, CHAIN, NEAR)
+
+
+def test_a_motion_that_does_not_begin_or_end_at_rest_is_refused() -> None:
+    way = np.linspace(0.0, 0.5, 50)
+    for shares in (way, 0.5 - way, np.abs(way - 0.2)):
+        rows = np.outer(shares, np.ones(6))
+        section = told(rows, 1.0)
+        section["peak_joint_acceleration"] = [ASKED] * 6
+        section["limits_passed"] = []
+        exact = [[Fraction(one) for one in row] for row in rows.tolist()]
+        with pytest.raises(Fault, match="is larger than its stated peak"):
+            check_rates(section, 1.0, exact, CHAIN, NEAR)
 
 
 def test_a_plan_in_half_its_time_is_refused() -> None:
