@@ -100,7 +100,7 @@ def compare_robot(file: Path, folder: Path, states: int = _STATES) -> Outcome:
     positions = {
         one.name: random.uniform(one.low, one.high, states)
         for one in robot.joints
-        if one.kind != "fixed" and one.mimic is None
+        if one.kind != "fixed" and one.follows is None
     }
     ours = robot_readers.poses_of(robot, positions)
     if (gap := _gap_with_tip(robot, positions, ours)) > _NEAR:

@@ -60,7 +60,7 @@ def check(file: RobotFile, random: np.random.Generator, capsules: bool = True) -
             assert away.min(axis=1).max() < _NEAR_MESH, (file.name, link)
             if capsules:
                 assert _is_held(chain, frames, link, wanted), (file.name, link)
-    followers = sum(joint.mimic is not None for joint in robot.joints)
+    followers = sum(joint.follows is not None for joint in robot.joints)
     return {
         "files": 1,
         "links": len(robot.links),
@@ -75,7 +75,7 @@ def _chain(robot: Robot, tip: str, random: np.random.Generator) -> Chain:
     held = {
         joint.name: float(random.uniform(joint.low, joint.high))
         for joint in robot.joints
-        if joint.kind != "fixed" and joint.mimic is None and joint.name not in planned
+        if joint.kind != "fixed" and joint.follows is None and joint.name not in planned
         if random.random() < 0.6
     }
     return Chain.of(robot, tip, held=held)

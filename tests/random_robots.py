@@ -12,7 +12,6 @@ from xml.etree import ElementTree
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.robot.urdf.joint import Mimic
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed")
 _MOST_LINKS = 14
@@ -20,7 +19,7 @@ _MOST_LINKS = 14
 
 @dataclass(frozen=True)
 class RandomJoint:
-    """A joint as its file gives it: ``axis`` of any length, ``mimic`` of any joint but a ring."""
+    """A joint as its file gives it: ``axis`` of any length; it may follow any, but in no ring."""
 
     name: str
     kind: str
@@ -31,15 +30,17 @@ class RandomJoint:
     axis: FloatArray
     low: float
     high: float
-    mimic: Mimic | None
+    follows: str = ""
+    factor: float = 1.0
+    offset: float = 0.0
 
     def text(self) -> str:
         """Its element."""
         limit = f'<limit lower="{self.low!r}" upper="{self.high!r}" velocity="2" effort="9"/>'
         follows = ""
-        if self.mimic is not None:
-            joint, factor, offset = self.mimic
-            follows = f'<mimic joint="{joint}" multiplier="{factor!r}" offset="{offset!r}"/>'
+        if self.follows:
+            numbers = f'multiplier="{self.factor!r}" offset="{self.offset!r}"'
+            follows = f'<mimic joint="{self.follows}" {numbers}/>'
         return (
             f'<joint name="{self.name}" type="{self.kind}"><parent link="{self.parent}"/>'
             f'<child link="{self.child}"/><origin xyz="{_words(self.xyz)}" '
@@ -78,10 +79,10 @@ def random_robot(random: np.random.Generator, prefix: str = "") -> RandomRobot:
     for number in range(1, count):
         kind = "revolute" if number == 1 else str(random.choice(KINDS, p=(0.45, 0.15, 0.2, 0.2)))
         masters = [one.name for one in joints]
-        mimic = None
+        follows, factor, offset = "", 1.0, 0.0
         if number > 1 and random.random() < 0.45:
             factor, offset = random.uniform(-1.5, 1.5, 2).tolist()
-            mimic = Mimic(str(random.choice(masters)), factor, offset)
+            follows = str(random.choice(masters))
         low = float(random.uniform(-2, 0.5))
         # mostly a long chain, and at times a bush
         parent = number - 1 if random.random() < 0.6 else int(random.integers(number))
@@ -96,7 +97,9 @@ def random_robot(random: np.random.Generator, prefix: str = "") -> RandomRobot:
                 axis=random.normal(size=3),
                 low=low,
                 high=low + float(random.uniform(0.1, 3)),
-                mimic=mimic,
+                follows=follows,
+                factor=factor,
+                offset=offset,
             )
         )
     links = [
@@ -135,13 +138,9 @@ def _joint_of(xml: ElementTree.Element) -> RandomJoint:
         axis=_numbers(axis, "xyz", "1 0 0"),
         low=0.0,
         high=0.0,
-        mimic=None
-        if mimic is None
-        else Mimic(
-            mimic.get("joint", ""),
-            float(mimic.get("multiplier", 1)),
-            float(mimic.get("offset", 0)),
-        ),
+        follows="" if mimic is None else mimic.get("joint", ""),
+        factor=1.0 if mimic is None else float(mimic.get("multiplier", 1)),
+        offset=0.0 if mimic is None else float(mimic.get("offset", 0)),
     )
 
 
@@ -189,10 +188,10 @@ def _position(
 ) -> float | FloatArray:
     if joint.kind == "fixed":
         return 0.0
-    if joint.mimic is None:
+    if not joint.follows:
         return states[joint.name]
-    followed = _position(joints, joints[joint.mimic.joint], states)
-    return joint.mimic.factor * followed + joint.mimic.offset
+    followed = _position(joints, joints[joint.follows], states)
+    return joint.factor * followed + joint.offset
 
 
 def _unit(axis: FloatArray) -> FloatArray:

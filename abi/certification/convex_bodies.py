@@ -94,7 +94,7 @@ def _link_pairs(
     They are found by some hundred random poses within ``limits`` of the coordinates, which are
     wider than the robot's where its motion passes these.
     """
-    free = {joint.name for joint in robot.joints if joint.mimic is None}
+    free = {joint.name for joint in robot.joints if joint.follows is None}
     still = {name: at for name, at in held if name in free}
     ranges = read_only(np.frombuffer(limits).reshape(-1, 2))
     chain = replace(Chain.moved_by(robot, names, held=still), limits=ranges)

@@ -87,7 +87,7 @@ def own_joints(robot: Robot) -> dict[str, bool]:
 
     They are by their names.
     """
-    own = (one for one in robot.joints if one.kind != "fixed" and one.mimic is None)
+    own = (one for one in robot.joints if one.kind != "fixed" and one.follows is None)
     return {one.name: one.kind == "prismatic" for one in own}
 
 

@@ -152,7 +152,7 @@ def bezier_points(motion: Motion) -> FloatArray:
 def _matched(motion: Motion, robot: Robot, tip: str) -> tuple[Motion, list[str]]:
     """The motion of the robot's own coordinates, from the root on, and what was left out."""
     by_name = {joint.name: joint for joint in robot.joints if joint.kind != "fixed"}
-    free = [name for name, joint in by_name.items() if joint.mimic is None]
+    free = [name for name, joint in by_name.items() if joint.follows is None]
     for name in motion.joints:
         if name not in by_name:
             like = difflib.get_close_matches(name, free, 1)
@@ -246,7 +246,7 @@ def _long_turns(motion: Motion, robot: Robot) -> list[str]:
 def _standing(chain: Chain) -> list[str]:
     """A sentence on the joints that the motion does not move; none if there are none."""
     slides = {joint.name: "m" for joint in chain.robot.joints if joint.kind == "prismatic"}
-    own = {joint.name for joint in chain.robot.joints if joint.mimic is None}
+    own = {joint.name for joint in chain.robot.joints if joint.follows is None}
     still = [
         f"{name} at {at:.4g} {slides.get(name, 'rad')}"
         for name, at in chain.held.items()

@@ -94,8 +94,8 @@ def _length(robot: Robot) -> float:
     for joint in robot.joints:
         length += float(np.linalg.norm(joint.origin[:3, 3]))
         if joint.kind == "prismatic":
-            moved_by, (_, factor, offset) = joints[joint.coordinate], joint.mimic or ("", 1.0, 0.0)
-            length += max(abs(factor * end + offset) for end in (moved_by.low, moved_by.high))
+            moved_by = joints[joint.coordinate]
+            length += max(abs(joint.position(end)) for end in (moved_by.low, moved_by.high))
     shapes = [shape for link in robot.links.values() for shape in link.shapes]
     return length + max(map(_farthest, shapes), default=0.0)
 

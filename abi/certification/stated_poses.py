@@ -66,10 +66,9 @@ def check_followers(given: Motion, motion: Motion, chain: Chain) -> list[str]:
     places = {**still, **columns}
     near = []
     for joint in chain.robot.joints:
-        if joint.kind == "fixed" or joint.mimic is None:
+        if joint.kind == "fixed" or joint.follows is None:
             continue
-        master, factor, offset = joint.mimic
-        follows = factor * places[master] + offset
+        follows = joint.factor * places[joint.follows] + joint.offset
         if joint.name in given.joints:
             column = given.positions[:, given.joints.index(joint.name)]
             row = int(np.abs(column - follows).argmax())
@@ -77,16 +76,16 @@ def check_followers(given: Motion, motion: Motion, chain: Chain) -> list[str]:
             if away > _APART:
                 raise AbiError(
                     f"In row {row + 1} {joint.name} is at {column[row]:.4g}, and by its <mimic> it "
-                    f"follows {master} to {follows[row]:.4g}.",
+                    f"follows {joint.follows} to {follows[row]:.4g}.",
                     "Leave its column out if it does, or give a robot without that <mimic>.",
                 )
             if away > _ROUNDED:
                 near.append(f"{joint.name} by {away:.2g}")
         first = motion.start.joints.get(joint.name, follows[0])
-        if abs(first - follows[0]) > max(1.0, abs(factor)) * _FAR:
+        if abs(first - follows[0]) > max(1.0, abs(joint.factor)) * _FAR:
             raise AbiError(
                 f"The file's start state has {joint.name} at {first:.4g}, and by its <mimic> it "
-                f"follows {master} to {follows[0]:.4g}.",
+                f"follows {joint.follows} to {follows[0]:.4g}.",
                 "Correct the state, or give a robot without that <mimic>.",
             )
     return _as_here(near)
@@ -100,7 +99,7 @@ def check_state(motion: Motion, chain: Chain, scene: Scene) -> list[str]:
     """
     state, arm, near, notes = motion.start, scene.arm, list[str](), list[str]()
     ranges = {
-        joint.name: (joint.low, joint.high) for joint in chain.robot.joints if not joint.mimic
+        joint.name: (joint.low, joint.high) for joint in chain.robot.joints if joint.follows is None
     }
     for name, at in chain.held.items():
         given = state.joints.get(name, at)

@@ -45,7 +45,7 @@ def joint_states(trajectory: ArmMotion, legs: Sequence[tuple[Chain, int]]) -> li
         trajectory: of the joints that move, with those that slide in [m].
         legs: the chain of each leg, and the number of the sample that ends it.
     """
-    own = {one.name for one in legs[0][0].robot.joints if one.mimic is None}
+    own = {one.name for one in legs[0][0].robot.joints if one.follows is None}
     names = [name for name in legs[0][0].held if name in own]
     found, still = list[Part](), [0.0] * len(names)
     for chain, last in legs:

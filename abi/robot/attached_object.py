@@ -71,7 +71,6 @@ def with_object(
         high=0.0,
         speed=np.inf,
         effort=np.inf,
-        mimic=None,
     )
     return replace(
         robot,

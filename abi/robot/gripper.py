@@ -41,7 +41,7 @@ def gripper_at(field: str, robot: Robot, tip: str, opening: Opening) -> dict[str
     free = {
         one.name: one
         for one in robot.joints
-        if one.kind != "fixed" and one.mimic is None and one.name not in planned
+        if one.kind != "fixed" and one.follows is None and one.name not in planned
     }
     behind = _behind(robot, planned)
     fingers = {name: one for name, one in free.items() if one.child in behind}

@@ -279,7 +279,7 @@ class ArmSettings(Settings):
         if not any(end is not None and end.state is not None for end in ends.values()):
             return
         still = self._still(metres)
-        free = {one.name for one in self.robot.joints if one.mimic is None} & still.keys()
+        free = {one.name for one in self.robot.joints if one.follows is None} & still.keys()
         for name, end in ends.items():
             state = self.robot.states.get(end.state or "", {}) if end is not None else {}
             wanted = {
@@ -423,7 +423,7 @@ class ArmSettings(Settings):
             raise SceneError("arm.base_link", base, f"a link from which joints move {tip}: {names}")
         own = {joint.name for joint in part.joints}
         for joint in _joints_above(robot, base):
-            if joint.mimic is not None and joint.coordinate in own:
+            if joint.follows is not None and joint.coordinate in own:
                 expected = (
                     f"a link that stands still: {joint.name} above it follows {joint.coordinate}"
                 )

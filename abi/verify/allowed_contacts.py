@@ -162,7 +162,7 @@ def are_joined(robot: Robot, chain: ExactChain, link: str, other: str) -> bool:
     if len(between) != 1 or _is_held(robot, {link, other}):
         return not between
     moved = (joint for joint in robot.joints if joint.kind != "fixed")
-    free = {joint.child for joint in moved if joint.mimic is not None or joint.low < joint.high}
+    free = {joint.child for joint in moved if joint.follows is not None or joint.low < joint.high}
     parents: dict[str, list[str]] = {joint.child: [joint.parent] for joint in robot.joints}
     reached = {link: [*parents.get(link, ())], other: [*parents.get(other, ())]}
     for way in reached.values():
@@ -366,7 +366,7 @@ def usual_range(chain: ExactChain) -> tuple[list[float], list[float]]:
     for number, (name, ends) in enumerate(zip(chain.coordinates, chain.limits, strict=True)):
         low, high = map(float, ends)
         moved = [joint for joint in chain.joints if joint.coordinate == name]
-        whole = all(joint.mimic is None or joint.mimic.factor % 1 == 0 for joint in moved)
+        whole = all(joint.factor % 1 == 0 for joint in moved)
         slides = chain.slides[number] or any(joint.kind == "prismatic" for joint in moved)
         if whole and not slides and low <= 0 <= high:
             low = max(low, min(-np.pi, high - 2 * np.pi))

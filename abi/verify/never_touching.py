@@ -178,8 +178,7 @@ def _axes(chain: ExactChain, frames: Sequence[ExactFrame], first: str, second: s
         joint, (turn, origin) = chain.joints[k], _floats(frames[k])
         number = chain.coordinates.index(joint.coordinate)
         slides, units = joint.kind == "prismatic", float(chain.units)
-        rate = 1.0 if joint.mimic is None else float(joint.mimic.factor)
-        rate *= (units if slides else 1.0) / (units if chain.slides[number] else 1.0)
+        rate = joint.factor * (units if slides else 1.0) / (units if chain.slides[number] else 1.0)
         # seen from the first link, a joint that moves it moves all others back
         rate *= -1.0 if k in up else 1.0
         low, high = chain.limits[number]

@@ -181,7 +181,7 @@ def _motion(motion: dict[str, Any], scene: Scene) -> JointMotion:
     """The motion of the scene's robot, the limits of whose chain are wide enough for it."""
     robot, units = scene.robot, round(1 / METRES[scene.unit])
     names = list_of("motion.joints", motion.get("joints"))
-    free = {one.name: one for one in robot.joints if one.kind != "fixed" and one.mimic is None}
+    free = {one.name: one for one in robot.joints if one.kind != "fixed" and one.follows is None}
     if not all(isinstance(name, str) and name in free for name in names):
         raise Fault("its joints are not the robot's")
     if not 0 < len(names) == len(set(names)):

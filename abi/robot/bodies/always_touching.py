@@ -58,7 +58,7 @@ def with_held(chain: Chain, first: str, second: str) -> Chain:
     names = tuple(one for one in sorted(ways[0] ^ ways[1]) if one in chain.held)
     if not names:
         return chain
-    free = {joint.name for joint in chain.robot.joints if joint.mimic is None}
+    free = {joint.name for joint in chain.robot.joints if joint.follows is None}
     held = {name: at for name, at in chain.held.items() if name in free and name not in names}
     moved = Chain.moved_by(chain.robot, (*chain.names, *names), held=held)
     # where a motion passes limits, those of its chain are wider

@@ -46,7 +46,7 @@ def _finer_links(
         names: of its joints that move by themselves.
         held: positions of all other joints that can move, [rad] or [m].
     """
-    followers = {one.name for one in robot.joints if one.mimic is not None}
+    followers = {one.name for one in robot.joints if one.follows is not None}
     still = {name: at for name, at in held if name not in followers}
     chain = Chain.moved_by(robot, names, held=still)
     links = [*chain.frames]

@@ -140,7 +140,7 @@ def _touch_as_held(chain: Chain, first: str, second: str, between: Collection[st
     moved = {by_child[child].coordinate: None for child in between}
     if moved.keys() & {*chain.names}:
         return True
-    still = {joint.name for joint in chain.robot.joints if joint.mimic is None} - {*moved}
+    still = {joint.name for joint in chain.robot.joints if joint.follows is None} - {*moved}
     held = {name: at for name, at in chain.held.items() if name in still}
     joints = Chain.moved_by(chain.robot, (*moved,), held=held)
     low, high = joints.usual_range().T

@@ -39,7 +39,7 @@ def open_bodies(chain: Chain) -> dict[str, tuple[Body, ...]]:
 def _open_bodies(
     robot: Robot, names: tuple[str, ...], held: tuple[tuple[str, float], ...]
 ) -> dict[str, tuple[Body, ...]]:
-    followers = {one.name for one in robot.joints if one.mimic is not None}
+    followers = {one.name for one in robot.joints if one.follows is not None}
     still = {name: at for name, at in held if name not in followers}
     chain, found = Chain.moved_by(robot, names, held=still), dict[str, tuple[Body, ...]]()
     if np.count_nonzero(chain.table.slides) < 2:

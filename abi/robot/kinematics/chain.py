@@ -201,8 +201,8 @@ class Chain(ShortRepr):
             source=read_only(
                 np.array([names.index(joint.coordinate) for joint in joints], dtype=np.int32)
             ),
-            factor=read_only(np.array([j.mimic.factor if j.mimic else 1.0 for j in joints])),
-            offset=read_only(np.array([j.mimic.offset if j.mimic else 0.0 for j in joints])),
+            factor=read_only(np.array([joint.factor for joint in joints])),
+            offset=read_only(np.array([joint.offset for joint in joints])),
             limits=flat(limits),
             direction=read_only(direction / np.linalg.norm(direction)),
             aims=axis is not None,

@@ -33,7 +33,7 @@ def scara_positions(chain: Chain, point: FloatArray) -> list[FloatArray]:
     """
     count = chain.table.length
     joints = chain.joints[:count]
-    if len(chain.names) != count or any(joint.mimic is not None for joint in joints):
+    if len(chain.names) != count or any(joint.follows is not None for joint in joints):
         return []
     frames = chain.poses(np.zeros((1, count)))[0]
     origins, tip = frames[:count, :, 3], frames[-1, :, 3]

@@ -97,8 +97,13 @@ def _following(
                 numbers[key] = float(one.text or "")
             except ValueError:
                 return Coupling(name, (), closes=False, rests=False)
-    mimic = by_name[name].mimic if name in by_name else None
-    if mimic is not None and mimic == (master, numbers["multiplier"], numbers["offset"]):
+    told = master, numbers["multiplier"], numbers["offset"]
+    own = by_name.get(name)
+    if (
+        own is not None
+        and own.follows is not None
+        and (own.follows, own.factor, own.offset) == told
+    ):
         return None
     known = name in by_name and master in by_name
     rests = known and numbers["offset"] == 0
@@ -209,7 +214,7 @@ def unfollowed_notes(root: XmlElement, joints: Sequence[Joint]) -> list[str]:
         joints: its joints.
     """
     free = {one.get("name") for one in root.xml.iter("joint") if one.get("mimic") == "false"}
-    names = [one.name for one in joints if one.mimic is not None and one.name in free]
+    names = [one.name for one in joints if one.follows is not None and one.name in free]
     told = f"Moved by <mimic>, though ros2_control says otherwise: joint {some_of(names)}."
     return [told] if names else []
 
@@ -237,7 +242,7 @@ def require_followed(robot: Robot, planned: Collection[str], wanted: Mapping[str
         there = [joints[name] for name in one.joints if name in joints]
         # a joint that is fixed after all may be so anywhere
         rests = one.rests and all(held.get(name) == 0 for name in one.joints)
-        follows = any(joint.mimic is not None for joint in there)
+        follows = any(joint.follows is not None for joint in there)
         told = one.closes and follows and _stays_closed(robot, one)
         if not rests and not told:
             does = "closes a loop" if one.closes else "follows another"
@@ -268,7 +273,9 @@ def _stays_closed(robot: Robot, loop: Coupling) -> bool:
     joints = [joint for joint in robot.joints if joint.kind != "fixed"]
     above = {joint.child: joint for joint in robot.joints}
     at = {one.name: 0.0 for one in joints}
-    unmoved = {one.child: replace(one, mimic=None) for one in robot.joints}
+    unmoved = {
+        one.child: replace(one, follows=None, factor=1.0, offset=0.0) for one in robot.joints
+    }
     beside = [_beside(unmoved, loop.ends, at)]
     for _ in range(_POSES):
         for one in joints:
@@ -314,9 +321,6 @@ def _pose(above: Mapping[str, Joint], link: str, at: Mapping[str, float]) -> Flo
     while link in above:
         joint = above[link]
         if joint.kind != "fixed":
-            follows, position = joint.mimic, at.get(joint.coordinate, 0.0)
-            if follows is not None:
-                position = follows.factor * position + follows.offset
-            pose = joint.motion(position) @ pose
+            pose = joint.motion(joint.position(at.get(joint.coordinate, 0.0))) @ pose
         pose, link = joint.origin @ pose, joint.parent
     return pose

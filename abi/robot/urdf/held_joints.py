@@ -37,7 +37,7 @@ def positions_held(
     free = {
         joint.name: joint
         for joint in robot.joints
-        if joint.kind != "fixed" and joint.mimic is None and joint.name not in planned
+        if joint.kind != "fixed" and joint.follows is None and joint.name not in planned
     }
     for name, position in wanted.items():
         if name not in free:
@@ -50,9 +50,9 @@ def positions_held(
     rest = {name: min(max(0.0, joint.low), joint.high) for name, joint in free.items()}
     still = {**rest, **wanted}
     followers = {
-        joint.name: joint.mimic.factor * still[joint.mimic.joint] + joint.mimic.offset
+        joint.name: joint.position(still[joint.follows])
         for joint in robot.joints
-        if joint.kind != "fixed" and joint.mimic is not None and joint.mimic.joint in still
+        if joint.kind != "fixed" and joint.follows in still
     }
     return {**still, **followers}
 
@@ -93,7 +93,7 @@ def planned_sentence(robot: Robot, tip: str, wanted: Mapping[str, float]) -> str
     held = [
         f"{joint.name} at {still[joint.name]:.4g} {slides.get(joint.name, 'rad')}"
         for joint in robot.joints
-        if joint.name in still and joint.mimic is None
+        if joint.name in still and joint.follows is None
     ]
     text = f"The tool tip is {tip}; {some_of(planned, MOST_JOINTS)} are planned"
     return f"{text}, held: {some_of(held, 6)}." if held else f"{text}."

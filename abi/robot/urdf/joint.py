@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, get_args
 
 import numpy as np
 import scipy
@@ -13,14 +13,6 @@ from abi.arrays import FloatArray, ShortRepr
 from abi.errors import ArgumentError
 
 JointKind = Literal["revolute", "continuous", "prismatic", "fixed"]
-
-
-class Mimic(NamedTuple):
-    """A joint that follows another: its position is ``factor`` times the other's + ``offset``."""
-
-    joint: str
-    factor: float
-    offset: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,7 +29,9 @@ class Joint(ShortRepr):
         speed: largest at which those that follow it keep their own limits, too, [rad/s] or [m/s];
             inf where the file gives none.
         effort: largest torque or force, [N·m] or [N]; inf where the file gives none.
-        mimic: the joint that it follows; None for one that moves by itself.
+        follows: name of the joint that it follows; None for one that moves by itself.
+        factor, offset: its position is ``factor`` times that of the joint that it follows, and
+            ``offset``, [rad] or [m]; 1 and 0 where it moves by itself.
     """
 
     name: str
@@ -50,7 +44,9 @@ class Joint(ShortRepr):
     high: float
     speed: float
     effort: float
-    mimic: Mimic | None
+    follows: str | None = None
+    factor: float = 1.0
+    offset: float = 0.0
 
     def __post_init__(self) -> None:
         """Check its pose and its numbers.
@@ -63,9 +59,8 @@ class Joint(ShortRepr):
         arguments.ranges("low and high", [[self.low, self.high]], 1)
         arguments.number("speed", self.speed, 0.0, infinite=True)
         arguments.number("effort", self.effort, 0.0, infinite=True)
-        if self.mimic is not None:
-            arguments.number("mimic.factor", self.mimic.factor)
-            arguments.number("mimic.offset", self.mimic.offset)
+        arguments.number("factor", self.factor)
+        arguments.number("offset", self.offset)
         arguments.keep(
             self,
             origin=arguments.pose("origin", self.origin),
@@ -75,7 +70,11 @@ class Joint(ShortRepr):
     @property
     def coordinate(self) -> str:
         """Name of the joint whose position moves it: its own, or the one that it follows."""
-        return self.name if self.mimic is None else self.mimic.joint
+        return self.name if self.follows is None else self.follows
+
+    def position(self, coordinate: float) -> float:
+        """Its position where the joint that moves it is at ``coordinate``, [rad] or [m]."""
+        return self.factor * coordinate + self.offset
 
     def motion(self, position: float) -> FloatArray:
         """Pose of its child beside that at position 0, (4, 4), [m].

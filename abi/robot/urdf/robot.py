@@ -159,7 +159,7 @@ def meet(robot: Robot, first: str, second: str) -> bool:
         moving = 0
         while link in above:
             joint = above[link]
-            follows = joint.mimic is not None  # wherever its own limits are
+            follows = joint.follows is not None  # wherever its own limits are
             moving += joint.kind != "fixed" and (follows or joint.low < joint.high)
             link = joint.parent
             if link == other:
@@ -216,4 +216,4 @@ def _joints_below(robot: Robot, base: str) -> tuple[Joint, ...]:
 def _stands_alone(joints: tuple[Joint, ...]) -> bool:
     """Check whether every joint that one of them mimics is among them."""
     names = {joint.name for joint in joints}
-    return all(joint.mimic is None or joint.mimic.joint in names for joint in joints)
+    return all(joint.follows is None or joint.follows in names for joint in joints)

@@ -53,7 +53,7 @@ def with_srdf(robot: Robot, content: bytes, name: str, renamed: Mapping[str, str
         if group.text("name"):  # one inside another is a reference to one before
             groups[group.text("name")] = _joints(group, robot, groups)
     touching, states = _may_touch(root, robot), _states(root, robot)
-    own = {one.name for one in robot.joints if one.kind != "fixed" and one.mimic is None}
+    own = {one.name for one in robot.joints if one.kind != "fixed" and one.follows is None}
     for joint in root.all("passive_joint"):
         if joint.text("name") in own:
             root.told.setdefault(_PASSIVE, []).append(joint.text("name"))
@@ -125,7 +125,7 @@ def _states(root: XmlElement, robot: Robot) -> dict[str, Mapping[str, float]]:
     geared = {
         one.coordinate
         for one in robot.joints
-        if one.mimic is not None and (one.kind == "prismatic" or one.mimic.factor % 1 != 0)
+        if one.follows is not None and (one.kind == "prismatic" or one.factor % 1 != 0)
     }
     endless = {one.name for one in robot.joints if one.kind == "continuous"}
     found: dict[str, Mapping[str, float]] = {}

@@ -25,8 +25,5 @@ def tip_pose(robot: Robot, tip: str, positions: Mapping[str, float]) -> FloatArr
     for joint in joints_to(robot, tip):
         pose = pose @ joint.origin
         if joint.kind != "fixed":
-            position = positions[joint.coordinate]
-            if joint.mimic is not None:
-                position = joint.mimic.factor * position + joint.mimic.offset
-            pose = pose @ joint.motion(position)
+            pose = pose @ joint.motion(joint.position(positions[joint.coordinate]))
     return read_only(pose)

@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
-from abi.robot.urdf.joint import Joint, JointKind, Mimic
+from abi.robot.urdf.joint import Joint, JointKind
 from abi.robot.urdf.joint_limits import read_range, read_rates
 from abi.robot.urdf.strict_xml import XmlElement
 
@@ -36,6 +36,7 @@ def read_joint(element: XmlElement) -> Joint:
     low, high = read_range(element, kind) if moves else (0.0, 0.0)
     if kind in _HELD:
         element.tell(f"Held at the origin, as its kind is {kind}:")
+    follows, factor, offset = _followed(element) if moves else (None, 1.0, 0.0)
     return Joint(
         name=element.text("name"),
         kind=cast(JointKind, kind if moves else "fixed"),
@@ -47,7 +48,9 @@ def read_joint(element: XmlElement) -> Joint:
         high=high,
         speed=speed,
         effort=effort,
-        mimic=_mimic(element) if moves else None,
+        follows=follows,
+        factor=factor,
+        offset=offset,
     )
 
 
@@ -68,12 +71,13 @@ def _axis(element: XmlElement) -> FloatArray:
     return read_only(axis / np.linalg.norm(axis))
 
 
-def _mimic(element: XmlElement) -> Mimic | None:
+def _followed(element: XmlElement) -> tuple[str | None, float, float]:
+    """Name of the joint that one follows, None for none, its factor and its offset."""
     mimic = element.child("mimic")
     if mimic is None:
-        return None
+        return None, 1.0, 0.0
     factor = mimic.number("multiplier", 1.0, -1e3, 1e3)
-    return Mimic(mimic.text("joint"), factor, mimic.number("offset", 0.0, -1e3, 1e3))
+    return mimic.text("joint"), factor, mimic.number("offset", 0.0, -1e3, 1e3)
 
 
 def in_order(

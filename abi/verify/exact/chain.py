@@ -83,9 +83,9 @@ class ExactChain:
         """Position of a joint, [rad] or [unit], at those of the coordinates."""
         number = self._coordinate(joint)
         value = positions[number]
-        if joint.mimic is not None:
+        if joint.follows is not None:
             metres = value / self.units if self.slides[number] else value
-            value = Fraction(joint.mimic.factor) * metres + Fraction(joint.mimic.offset)
+            value = Fraction(joint.factor) * metres + Fraction(joint.offset)
             value *= self.units if joint.kind == "prismatic" else 1
         return value
 
@@ -104,9 +104,8 @@ class ExactChain:
                 break
             joint = self.joints[k]
             number = self._coordinate(joint)
-            factor = abs(Fraction(joint.mimic.factor)) if joint.mimic else Fraction(1)
             slides = joint.kind == "prismatic"
-            rate = factor * (self.units if slides else far)
+            rate = abs(Fraction(joint.factor)) * (self.units if slides else far)
             found[number] += rate / (self.units if self.slides[number] else 1)
             far += _length(self.origins[k][:3, 3])
             if slides:
@@ -133,7 +132,7 @@ class ExactChain:
         return abs(self.value(joint, positions))
 
     def _coordinate(self, joint: Joint) -> int:
-        return self.coordinates.index(joint.mimic.joint if joint.mimic else joint.name)
+        return self.coordinates.index(joint.coordinate)
 
 
 def _length(vector: Vec3 | Exact) -> Fraction:

@@ -125,12 +125,12 @@ def _exact_tree(
 def _moving_joints(robot: Robot, tip: str) -> tuple[tuple[Joint, ...], tuple[str, ...]]:
     """Joints that move with the coordinates of a tip, and the names of these."""
     way = tuple(joint for joint in joints_to(robot, tip) if joint.kind != "fixed")
-    names = {(joint.mimic.joint if joint.mimic else joint.name): None for joint in way}
+    names = {joint.coordinate: None for joint in way}
     beside = [
         joint
         for joint in robot.joints
         if joint.kind != "fixed" and joint not in way
-        if (joint.mimic.joint if joint.mimic else joint.name) in names
+        if joint.coordinate in names
     ]
     return (*way, *beside), (*names,)
 
@@ -141,16 +141,15 @@ def _at_rest(
     """Positions of the joints that stand still, [rad] or [m]."""
     found: dict[str, Fraction] = {}
     for joint in robot.joints:
-        if joint.mimic is None and joint.name not in names:
+        if joint.follows is None and joint.name not in names:
             found[joint.name] = Fraction(min(max(0.0, joint.low), joint.high))
             if joint.name in held:
                 scale = units if joint.kind == "prismatic" else 1
                 found[joint.name] = Fraction(held[joint.name]) / scale
     for joint in robot.joints:
-        mimic = joint.mimic
-        if mimic is not None and mimic.joint in found:
-            at = found[mimic.joint]
-            found[joint.name] = Fraction(mimic.factor) * at + Fraction(mimic.offset)
+        if joint.follows in found:
+            at = found[joint.follows]
+            found[joint.name] = Fraction(joint.factor) * at + Fraction(joint.offset)
     return found
 
 

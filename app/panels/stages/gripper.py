@@ -65,7 +65,7 @@ class GripperPanel:
         scales = {
             joint.name: metres if joint.kind == "prismatic" else 1.0
             for joint in robot.joints
-            if joint.name in still and joint.mimic is None and joint.low < joint.high
+            if joint.name in still and joint.follows is None and joint.low < joint.high
         }
         joints = [joint for joint in robot.joints if joint.name in scales][:_MOST]
         rows = tuple(

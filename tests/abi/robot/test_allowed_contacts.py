@@ -209,11 +209,13 @@ def test_planner_and_verifier_find_the_same_links_joined(seed: int) -> None:
     bare = {name for name in robot.links if random.random() < 0.4}
     links = {n: replace(one, shapes=()) if n in bare else one for n, one in robot.links.items()}
     joints = [  # the own limits of what follows do not count
-        replace(one, low=0.0, high=0.0) if one.mimic and random.random() < 0.5 else one
+        replace(one, low=0.0, high=0.0)
+        if one.follows is not None and random.random() < 0.5
+        else one
         for one in robot.joints
     ]
     robot = replace(robot, links=links, joints=tuple(joints))
-    free = [one.name for one in robot.joints if one.kind != "fixed" and not one.mimic]
+    free = [one.name for one in robot.joints if one.kind != "fixed" and one.follows is None]
     names = tuple(name for name in free if random.random() < 0.8)  # the others are held
     assume(names)
     above = {one.child: one for one in robot.joints}
