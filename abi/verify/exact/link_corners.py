@@ -1,13 +1,14 @@
 """Check that a certificate's capsules contain the corners of a robot's links, and points of them.
 
-So none stands where its joints do not take it, and none leaves a part of a link out. The points are
-spread at random, others each time, over the surface of each shape and, but for meshes, inside. They
-are compared in floating point: what is off by less than a millionth passes. That the capsules hold
-all of a link is shown by a test.
+So none stands where its joints do not take it, and none leaves a part of a link out. Triangles and
+boxes whose corners are all in one piece, which is convex, are in it. On what is in several, points
+are spread at random, others each time, and, but for meshes, inside. They are compared in floating
+point: what is off by less than a millionth passes.
 """
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 from collections.abc import Mapping, Sequence
 
@@ -30,8 +31,10 @@ _THIN = 1e-7
 """Depth of a hull's middle, over its largest coordinate, below which it counts as flat."""
 _FAR = 1e9
 """Largest coordinate of a piece, over the accepted distance: rounding is far less then."""
-_POINTS = 600
-"""Number of random points of each shape."""
+_POINTS, _ON_EACH = 600, 3
+"""Number of random points of a shape, and of others on each triangle that no piece holds."""
+_Hull = tuple[FloatArray, float, scipy.spatial.ConvexHull | None]
+"""Points (n, 3), the distance from their hull that belongs to it, and its facets; None if flat."""
 _AROUND = np.linspace(0, 2 * np.pi, 16, endpoint=False)
 
 
@@ -54,11 +57,16 @@ def check_corners(
             continue
         pose = chain.places[name].astype(np.float64)
         turn, origin = pose[:3, :3], pose[:3, 3]
-        kinds = (*map(_corners, link.shapes), *(_spread(one, random) for one in link.shapes))
-        own = np.concatenate(kinds)
-        corners = units * own @ turn.T + origin
+        parts = [*map(_corners, link.shapes)]
+        corners = units * np.concatenate(parts) @ turn.T + origin
         allowed = _NEAR * max(units, float(np.abs(corners).max()))
-        if not _are_held(corners, bodies[name], allowed):
+        pieces = [[_facets(hull, allowed) for hull in one] for one in bodies[name]]
+        held = _holding(corners, pieces)
+        ends = np.cumsum([len(one) for one in parts])[:-1]
+        of_shapes = zip(link.shapes, np.split(held, ends), strict=True)
+        own = np.concatenate([_spread(shape, random, one) for shape, one in of_shapes])
+        points = _holding(units * own @ turn.T + origin, pieces)
+        if not (held.any(axis=1).all() and points.any(axis=1).all()):
             raise Fault(f"the capsules of {name} are not where its joints take it")
 
 
@@ -86,7 +94,8 @@ def check_lines(chain: ExactChain, robot: Robot, bodies: Mapping[str, Sequence[L
             links = (link for link in between if chain.frames.get(link) == frame)
             pieces = [one for link in links for one in bodies.get(link, ())]
             allowed = _NEAR * max(float(chain.units), float(np.abs(ends).max()))
-            if not any(_inside(ends, one, allowed).all() for one in pieces):
+            whole = [[_facets(hull, allowed) for hull in one] for one in pieces]
+            if not _holding(ends, whole).all(axis=0).any():
                 raise Fault("no lines stand for its links, which have no shapes")
 
 
@@ -96,31 +105,20 @@ def has_own_shape(chain: ExactChain, robot: Robot) -> bool:
     return any(robot.links[name].shapes for name in moving)
 
 
-def _are_held(points: FloatArray, pieces: Sequence[LinkPiece], allowed: float) -> bool:
-    """Check whether each of points (n, 3) is in one of a link's pieces, up to a distance."""
-    held = np.zeros(len(points), dtype=np.bool_)
-    for one in pieces:
-        held |= _inside(points, one, allowed)
-    return bool(held.all())
+def _holding(points: FloatArray, pieces: Sequence[Sequence[_Hull]]) -> BoolArray:
+    """Check which of points (n, 3) are in all hulls of each of p pieces, (n, p)."""
+    held = np.ones((len(points), len(pieces)), dtype=np.bool_)
+    for inside, one in zip(held.T, pieces, strict=True):
+        for hull in one:
+            inside[inside] = _in_hull(points[inside], hull)
+    return held
 
 
-def _inside(points: FloatArray, one: LinkPiece, allowed: float) -> BoolArray:
-    """Check which of points (n, 3) are in all hulls of a piece, up to a distance."""
-    inside = np.ones(len(points), dtype=np.bool_)
-    for hull in one:
-        inside[inside] = _in_hull(points[inside], hull, allowed)
-    return inside
-
-
-def _in_hull(corners: FloatArray, hull: MovedHull, allowed: float) -> BoolArray:
-    """Check which of points (n, 3) are in a hull, up to a distance."""
-    points, room = np.array(hull.points, dtype=np.float64), float(hull.radius) + allowed
-    far = float(np.abs(points).max())
-    if far > _FAR * allowed:
-        return np.zeros(len(corners), dtype=np.bool_)
+def _in_hull(corners: FloatArray, hull: _Hull) -> BoolArray:
+    """Check which of points (n, 3) are in a hull."""
+    points, room, whole = hull
     if len(points) <= 2:
         return np.asarray(_distances(corners, points[[0, -1]]) <= room)
-    whole = _facets(points, _THIN * far)
     if whole is None:  # how far is each from a mean of the points?
         return np.array([_from_means(corner, points) <= room for corner in corners], dtype=np.bool_)
     planes = corners @ whole.equations[:, :3].T + whole.equations[:, 3]
@@ -135,15 +133,20 @@ def _in_hull(corners: FloatArray, hull: MovedHull, allowed: float) -> BoolArray:
     return np.asarray(inside)
 
 
-def _facets(points: FloatArray, thin: float) -> scipy.spatial.ConvexHull | None:
-    """The hull of points (n, 3); None if it is flat, so that rounding would turn its facets."""
-    try:
-        whole = scipy.spatial.ConvexHull(points)
-    except scipy.spatial.QhullError:
-        return None
-    middle = points[whole.vertices].mean(axis=0)
-    depth = -float((whole.equations[:, :3] @ middle + whole.equations[:, 3]).max())
-    return whole if depth > thin else None
+def _facets(hull: MovedHull, allowed: float) -> _Hull:
+    """A hull in floating point, a distance wider; empty if so far away that rounding decides."""
+    points, room = np.array(hull.points, dtype=np.float64), float(hull.radius) + allowed
+    far, whole = float(np.abs(points).max()), None
+    if far > _FAR * allowed:
+        return points[[0, 0]], -1.0, None
+    if len(points) > 2:
+        with contextlib.suppress(scipy.spatial.QhullError):
+            whole = scipy.spatial.ConvexHull(points)
+            middle = points[whole.vertices].mean(axis=0)
+            depth = -float((whole.equations[:, :3] @ middle + whole.equations[:, 3]).max())
+            if depth <= _THIN * far:
+                whole = None
+    return points, room, whole
 
 
 def _from_means(corner: FloatArray, points: FloatArray) -> float:
@@ -189,16 +192,25 @@ def _corners(shape: LinkShape) -> FloatArray:
     return _in_link(points, shape)
 
 
-def _spread(shape: LinkShape, random: np.random.Generator) -> FloatArray:
-    """Random points (n, 3) of a shape in its link's frame, [m], half of them on its surface."""
+def _spread(shape: LinkShape, random: np.random.Generator, held: BoolArray) -> FloatArray:
+    """Random points (n, 3) of what of a shape no piece holds by itself, in its link's frame, [m].
+
+    Half of those of solids are on their surface; ``held`` (k, p) are the shape's corners in pieces.
+    """
     if shape.kind == "mesh":
-        triangles = shape.vertices[shape.faces]
+        _, faces = np.unique(shape.faces, return_inverse=True)
+        whole = np.all(held[faces.reshape(-1, 3)], axis=1)
+        parted = np.flatnonzero(~np.any(whole, axis=1))
+        triangles = shape.vertices[shape.faces[parted]]
         areas = np.linalg.norm(np.cross(*np.diff(triangles, axis=1).swapaxes(0, 1)), axis=1)
-        if not areas.sum() > 0:
-            return np.zeros((0, 3))
-        chosen = random.choice(len(areas), _POINTS, p=areas / areas.sum())
-        weights = random.dirichlet(np.ones(3), _POINTS)
+        chosen = np.repeat(np.arange(len(areas)), _ON_EACH)
+        if areas.sum() > 0:
+            more = random.choice(len(areas), _POINTS, p=areas / areas.sum())
+            chosen = np.concatenate([chosen, more])
+        weights = random.dirichlet(np.ones(3), len(chosen))
         return _in_link(np.einsum("nc,nci->ni", weights, triangles[chosen]), shape)
+    if shape.kind == "box" and held.all(axis=0).any():
+        return np.zeros((0, 3))
     a, b, c = shape.size
     points = random.uniform(-1.0, 1.0, (_POINTS, 3))
     across, along = np.hypot(points[:, 0], points[:, 1]), np.abs(points[:, 2])

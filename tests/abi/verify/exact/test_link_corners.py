@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+import trimesh
 from scipy.spatial.transform import Rotation
 
 from abi.arrays import FloatArray
@@ -16,8 +17,10 @@ from abi.robot.urdf.robot_files import robot_from_archive
 from abi.verify.allowed_contacts import check_insides
 from abi.verify.exact.link_corners import (
     _corners,
+    _facets,
     _from_means,
     _in_hull,
+    _in_link,
     check_corners,
     check_lines,
 )
@@ -77,6 +80,22 @@ def test_a_shell_of_plates_around_a_box_leaves_its_inside_out() -> None:
         check(robot, [around(side, 1e-3) for side in sides])
 
 
+def test_a_mast_beside_a_wide_plate_is_held_all_along() -> None:
+    plate, mast = trimesh.creation.box((9, 9, 0.1)), trimesh.creation.box((1e-3, 1e-3, 1))
+    parts = [plate, mast.apply_translation((0, 0, 0.5))]
+    mesh = '<mesh filename="a.stl"/>'
+    corners = np.concatenate([one.vertices for one in parts])
+    content = stl((corners, np.concatenate([parts[0].faces, parts[1].faces + 8])))
+    robot = robot_from_archive(packed({"r.urdf": arm((BOX, mesh)), "a.stl": content}))
+    flat, high = (
+        around(_in_link(one.vertices, robot.links["a"].shapes[-1]), 1e-3) for one in parts
+    )
+    check(robot, [flat, high])
+    ends = [around(np.array([point], dtype=np.float64), 3e-3) for point in high[0].points]
+    with pytest.raises(Fault, match="the capsules of a are not"):
+        check(robot, [flat, *ends])
+
+
 @pytest.mark.parametrize("name", ["box", "cylinder", "mesh"])
 def test_what_is_inside_of_a_link_is_found_whatever_its_pieces_leave_out(name: str) -> None:
     robot = robot_of(name)
@@ -129,8 +148,8 @@ def test_a_hull_with_a_radius_holds_what_is_as_near_to_it(flat: bool, width: flo
         # a tip's distance from its hull along a direction in which no point is farther
         away = 0.2 * directions / np.linalg.norm(directions, axis=1)[:, None]
         (piece,) = around(points, 0.2)
-        assert _in_hull(tips + 0.99 * away, piece, 1e-6).all()
-        assert not _in_hull(tips + 1.01 * away, piece, 1e-6).any()
+        assert _in_hull(tips + 0.99 * away, _facets(piece, 1e-6)).all()
+        assert not _in_hull(tips + 1.01 * away, _facets(piece, 1e-6)).any()
 
 
 def test_a_hull_holds_nothing_by_rounding_of_its_corners_or_facets() -> None:
@@ -140,8 +159,8 @@ def test_a_hull_holds_nothing_by_rounding_of_its_corners_or_facets() -> None:
         middle = points.mean(axis=0)
         farther = np.concatenate([middle + way * (points - middle) for way in (1.05, 1.2, 2.0)])
         outside = farther[[_from_means(one, points) > 1e-3 for one in farther]]
-        assert not _in_hull(outside, around(points, 0.0)[0], 1e-6).any()
+        assert not _in_hull(outside, _facets(around(points, 0.0)[0], 1e-6)).any()
     near = turn.apply(random.normal(size=(9, 3)))
     for corners in (2, 3, 4):  # far away, where numbers are 0.1 apart
         points = turn.apply(1e15 * random.normal(size=(corners, 3)))
-        assert not _in_hull(near, around(points, 0.1)[0], 1e-6).any()
+        assert not _in_hull(near, _facets(around(points, 0.1)[0], 1e-6)).any()
