@@ -29,6 +29,7 @@ from abi.certification.verdict import Doubt, MotionVerdict, State, TimeStretch
 from abi.curves.clearance.certificate import Certificate
 from abi.obstacles.mesh_shape import MeshShape
 from abi.robot.bodies.link_solids import link_solids
+from abi.robot.kinematics.chain_kernels import chain_poses
 from abi.scene.scene import Scene
 
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
@@ -219,6 +220,8 @@ def _decided(
     """Contacts, doubts, and stretches of time."""
     touches, doubts = [], []
     touching = np.zeros((0, 2))
+    if len(pairs) > _PAIRS:  # more poses than are placed as fast without it
+        chain_poses.compile()
     for link, obstacle in inside:
         first, last = _times(problem, 0.0, float(len(problem.motion.points)))
         deep = exact_contact.depth(problem, 0.0, link, obstacle)
