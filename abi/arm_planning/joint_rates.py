@@ -76,6 +76,7 @@ def joint_rates(arm: AnyArm, motion: ArmMotion, acceleration: float) -> JointRat
 def passed_limits(motion: ArmMotion, rates: JointRates) -> tuple[Violation, ...]:
     """Find every joint that passes a limit of its speed, acceleration or torque, where it is worst.
 
+    Its speed at a sample is that on the straight ways to those beside it where they are faster.
     The paper gives its arm no such limits, and those in ``rates`` are nominal: it passes none.
 
     Args:
@@ -86,7 +87,7 @@ def passed_limits(motion: ArmMotion, rates: JointRates) -> tuple[Violation, ...]
     if rates.nominal:
         return ()
     limited: tuple[tuple[Quantity, FloatArray | None, FloatArray], ...] = (
-        ("speed", rates.speeds, rates.speed_limits),
+        ("speed", _with_steps(motion, rates.speeds), rates.speed_limits),
         ("acceleration", rates.accelerations, rates.acceleration_limits),
         ("torque", rates.torques, rates.torque_limits),
     )
@@ -102,3 +103,15 @@ def passed_limits(motion: ArmMotion, rates: JointRates) -> tuple[Violation, ...]
             name = motion.joints[joint]
             found.append(Violation(name, times[0], value, limit, times[1], quantity))
     return tuple(found)
+
+
+def _with_steps(motion: ArmMotion, speeds: FloatArray) -> FloatArray:
+    """Speeds (m, n), or those to the next sample or from the last one where these are larger."""
+    times = np.diff(motion.time)[:, None]
+    if not (times > 0).all():
+        return speeds
+    between = np.diff(motion.positions, axis=0) / times
+    for beside in ([between[:1], between], [between, between[-1:]]):
+        steps = np.concatenate(beside)
+        speeds = np.where(np.abs(steps) > np.abs(speeds), steps, speeds)
+    return speeds

@@ -9,6 +9,7 @@ import numpy as np
 
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.kinematics.chain import strokes
 from abi.robot.urdf.link import LinkShape
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import SHIPPED, file_of, load_robot
@@ -90,14 +91,9 @@ def _alone(name: str, files: dict[str, Robot]) -> Scene:
 
 def _length(robot: Robot) -> float:
     """Length of all joints and links of a robot in a row, slides as far out as limits let, [m]."""
-    length, joints = 0.0, {joint.name: joint for joint in robot.joints}
-    for joint in robot.joints:
-        length += float(np.linalg.norm(joint.origin[:3, 3]))
-        if joint.kind == "prismatic":
-            moved_by = joints[joint.coordinate]
-            length += max(abs(joint.position(end)) for end in (moved_by.low, moved_by.high))
+    length = sum(float(np.linalg.norm(joint.origin[:3, 3])) for joint in robot.joints)
     shapes = [shape for link in robot.links.values() for shape in link.shapes]
-    return length + max(map(_farthest, shapes), default=0.0)
+    return length + strokes(robot, robot.joints) + max(map(_farthest, shapes), default=0.0)
 
 
 def _farthest(shape: LinkShape) -> float:

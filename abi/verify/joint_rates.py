@@ -55,8 +55,8 @@ def check_rates(
         speed = number_of(speeds[name])
         limits = {"speed": None if speed is None else speed * unit, "acceleration": asked * unit}
         error = _ROUNDED * max(1, *map(abs, column))
-        ways = {"speed": _largest_way(column), "acceleration": _largest_turn(column)}
         steps = max(abs(after - before) for before, after in itertools.pairwise(column))
+        ways = {"speed": steps, "acceleration": _largest_turn(column)}
         fastest = _stated(section, "peak_joint_speed", number, count)
         if fastest is not None and fastest * step > (steps + 2 * error) * _LET_PASS:
             raise Fault(f"the speed of {name} is nowhere as large as its stated peak")
@@ -78,13 +78,6 @@ def _told(entry: Any) -> tuple[tuple[object, object], Fraction]:
     return (one.get("joint"), one.get("quantity")), abs(
         Fraction(finite(f"{_PASSED}.value", one.get("value")))
     )
-
-
-def _largest_way(column: Sequence[Fraction]) -> Fraction:
-    """Largest way in the time of a sample, in the mean of two, and of one at both ends."""
-    ends = abs(column[1] - column[0]), abs(column[-1] - column[-2])
-    inner = (abs(after - before) / 2 for before, after in zip(column, column[2:], strict=False))
-    return max(*ends, *inner)
 
 
 def _largest_turn(column: Sequence[Fraction]) -> Fraction:

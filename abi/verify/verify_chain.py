@@ -233,9 +233,12 @@ def _check_ends(chain: ExactChain, rows: Sequence[Sequence[Fraction]], scene: Sc
 
 
 def _length(chain: ExactChain) -> Fraction:
-    """Bound of the chain's length from its first joint to the tip, [unit]."""
+    """Bound of the chain's length from its first joint to the tip, slides far out, [unit]."""
     above = chain.above(chain.before[-1])
-    return sum((sum(map(abs, chain.origins[k][:3, 3])) for k in (*above[:-1], -1)), Fraction(0))
+    length = sum((sum(map(abs, chain.origins[k][:3, 3])) for k in (*above[:-1], -1)), Fraction(0))
+    slides = [chain.joints[k] for k in above if chain.joints[k].kind == "prismatic"]
+    ends = [*zip(*chain.limits, strict=True)]
+    return length + sum(abs(chain.value(one, row)) for one in slides for row in ends)
 
 
 def _tool(chain: ExactChain, row: Sequence[Fraction]) -> Vec3:

@@ -117,7 +117,7 @@ class Chain(ShortRepr):
         last = places[tip]
         origins = [*_origins(way, places), last]
         reach = sum(float(np.linalg.norm(pose[:3, 3])) for pose in origins[1:])
-        reach += sum(joint.high - joint.low for joint in way if joint.kind == "prismatic")
+        reach += strokes(robot, way)
         return cls._of_links(
             *(robot, joints, names, still, (frames, places), reach),
             length=len(way),
@@ -152,7 +152,7 @@ class Chain(ShortRepr):
         still = positions_held(robot, names, held)
         links = _links(robot, joints, still, _pose(position, wxyz))
         reach = sum(float(np.linalg.norm(pose[:3, 3])) for pose in _origins(joints, links[1]))
-        reach += sum(joint.high - joint.low for joint in joints if joint.kind == "prismatic")
+        reach += strokes(robot, joints)
         return cls._of_links(
             *(robot, joints, names, still, links, reach),
             length=len(joints),
@@ -343,3 +343,13 @@ def _origins(joints: Iterable[Joint], places: Mapping[str, FloatArray]) -> list[
 
 def _packed(pose: FloatArray) -> FloatArray:
     return np.concatenate([pose[:3, :3].ravel(), pose[:3, 3]])
+
+
+def strokes(robot: Robot, joints: Iterable[Joint]) -> float:
+    """Sum of how far slides among joints are out, or go from end to end if that is more, [m]."""
+    ends, length = {one.name: (one.low, one.high) for one in robot.joints}, 0.0
+    for joint in joints:
+        if joint.kind == "prismatic":
+            low, high = map(joint.position, ends[joint.coordinate])
+            length += max(abs(high - low), abs(low), abs(high))
+    return length

@@ -140,7 +140,7 @@ def test_every_limit_that_a_joint_passes_is_told(kitchen: Plan) -> None:
             assert (one is not None) == (peak > 1.001 * limit), (quantity, joint)
             if one is not None:
                 assert one["since"] <= one["time"]
-                assert (abs(one["value"]), abs(one["limit"])) == pytest.approx((peak, limit), 0.05)
+                assert (abs(one["value"]), abs(one["limit"])) == pytest.approx((peak, limit), 1e-9)
                 assert one["value"] * one["limit"] > 0
     assert not passed
 

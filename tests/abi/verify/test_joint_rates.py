@@ -27,7 +27,7 @@ CHAIN = exact_chain(NEAR.robot, NEAR.arm.tool, (0, 0, 0), 1, (1, 0, 0, 0), {})
 def told(rows: Any, duration: float) -> dict[str, Any]:
     """What a plan tells of samples."""
     step = duration / (len(rows) - 1)
-    speeds = np.abs(np.gradient(rows, step, axis=0)).max(axis=0)
+    speeds = np.abs(np.diff(rows, axis=0)).max(axis=0) / step
     ways = np.abs(np.diff(rows, axis=0))[[0, -1]].max(axis=0)
     growths = np.maximum(np.abs(np.diff(rows, 2, axis=0)).max(axis=0), ways) / step**2
     passed = {
@@ -37,7 +37,7 @@ def told(rows: Any, duration: float) -> dict[str, Any]:
         if value > 1.001 * limit
     }
     return {
-        "peak_joint_speed": (np.abs(np.diff(rows, axis=0)).max(axis=0) / step).tolist(),
+        "peak_joint_speed": speeds.tolist(),
         "peak_joint_acceleration": growths.tolist(),
         "joint_speed_limits": [SPEED] * 6,
         "joint_acceleration_limits": [ASKED] * 6,

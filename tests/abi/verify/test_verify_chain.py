@@ -30,7 +30,7 @@ from abi.verify.exact.robot_chain import exact_chain
 from abi.verify.exact.solids import MovedHull, Vec3, dot, vector
 from abi.verify.joint_motion import JointMotion
 from abi.verify.verify import verify
-from tests.abi.robot.robots import OWN, joint, packed, urdf
+from tests.abi.robot.robots import OWN, joint, link, packed, urdf
 from tests.abi.verify.verdicts import NEAR, verdict_on
 
 Data = dict[str, Any]
@@ -262,7 +262,8 @@ def test_links_that_the_scene_lets_touch_are_left_out() -> None:
     assert "2 asked" in found.reason
 
 
-def test_a_tip_in_its_only_joint_is_at_the_start_and_the_goal_up_to_rounding() -> None:
+@pytest.mark.parametrize("gantry", [False, True])
+def test_a_tip_in_its_only_joint_is_at_the_start_and_the_goal_up_to_rounding(gantry: bool) -> None:
     box = '<collision><geometry><box size="0.1 0.1 0.3"/></geometry></collision>'
     text = (
         f'<robot name="r"><link name="a"/><link name="b">{box}</link><joint name="p" '
@@ -270,6 +271,16 @@ def test_a_tip_in_its_only_joint_is_at_the_start_and_the_goal_up_to_rounding() -
         '<axis xyz="0.6 0 0.8"/><limit lower="-2" upper="2" velocity="1" effort="1"/></joint>'
         "</robot>"
     )
+    ends: dict[str, Any] = {"start": {"joints": {"p": -1.0}}, "goal": {"joints": {"p": -0.2}}}
+    if gantry:  # slides that all stand in one point
+        slide = '<limit lower="0.2" upper="2" velocity="1" effort="1"/>'
+        joints = [
+            joint(a + b, a, b, "prismatic", axis, slide)
+            for (a, b), axis in (("ab", "1 0 0"), ("bc", "0 0.8 0.6"), ("cd", "0 -0.6 0.8"))
+        ]
+        text = urdf(*(f'<link name="{name}"/>' for name in "abc"), link("d"), *joints)
+        text = text.replace('0 0 0.4" rpy="0.3 0.2 0.1', "0 0 0")
+        ends = {"start": [90.0, 70.0, 110.0], "goal": [120.0, 60.0, 130.0]}
     files = {"r.urdf": text.encode()}
     scene = Scene.from_dict(
         {
@@ -277,8 +288,7 @@ def test_a_tip_in_its_only_joint_is_at_the_start_and_the_goal_up_to_rounding() -
             "unit": "cm",
             "workspace": {"min": [-200, -200, 0], "max": [200, 200, 200]},
             "mesh": {"pitch": 40},
-            "start": {"joints": {"p": -1.0}},
-            "goal": {"joints": {"p": -0.2}},
+            **ends,
             "arm": {"model": "urdf", "urdf": "r.urdf", "base": [3.3, 1.7, 5.1], "axis": None},
         },
         MeshSource(files),
