@@ -21,9 +21,10 @@ from abi.robot.urdf.robot import Robot
 from abi.scene.scene import Scene
 from abi.verify.certificate import ARM
 from abi.verify.exact.chain import ExactChain
+from abi.verify.exact.link_corners import has_own_shape
 from abi.verify.exact.mesh import ExactMesh
 from abi.verify.exact.robot_chain import exact_joints
-from abi.verify.exact.solids import ExactSolid, LinkPiece
+from abi.verify.exact.solids import ExactSolid
 from abi.verify.fault import Fault
 from abi.verify.link_contact import LinkTriangles, holds, link_triangles, solid_triangles, touch
 from abi.verify.never_touching import never_touch
@@ -31,8 +32,6 @@ from abi.verify.plan_fields import list_of, mapping
 from abi.verify.plumb_line import is_beneath
 
 Other = str | int
-Bodies = Mapping[str, Sequence[LinkPiece]]
-"""Pieces of each link."""
 Row = Sequence[Fraction]
 """Coordinates of a chain, [rad] or [unit]."""
 
@@ -40,6 +39,8 @@ _NEAR = 1e-6
 """Height over the floor at which a link counts as touching it, [unit]."""
 _UPRIGHT = 1e-6
 """Tilt of an axis that counts as zero, [rad]."""
+_THIN = 1e-3
+"""Radius of the lines that stand for links without shapes, [m]."""
 _POSES = 64
 """Random poses in which links that are said to touch always have to."""
 
@@ -49,7 +50,6 @@ def allowed_contacts(
     scene: Scene,
     obstacles: Sequence[ExactSolid | ExactMesh],
     chain: ExactChain,
-    bodies: Bodies,
     rows: Sequence[Row],
 ) -> frozenset[tuple[str, Other]]:
     """Links, each with what it may touch; for two links in both directions.
@@ -70,7 +70,7 @@ def allowed_contacts(
                 raise Fault(f"{link} and {other} are no pair that may touch")
             found |= {(link, other), (other, link)}
         elif other == "floor" or (type(other) is int and 0 <= other < len(obstacles)):
-            if not _may_stand(link, other, reason, scene, obstacles, chain, bodies):
+            if not _may_stand(link, other, reason, scene, obstacles, chain):
                 raise Fault(f"{link} may not touch {name_of(other)}")
             found.add((link, other))
         else:
@@ -80,7 +80,7 @@ def allowed_contacts(
 
 
 def contacts_of_motion(
-    data: dict[str, Any], scene: Scene, chain: ExactChain, bodies: Bodies, rows: Sequence[Row]
+    data: dict[str, Any], scene: Scene, chain: ExactChain, rows: Sequence[Row]
 ) -> frozenset[frozenset[str]]:
     """Pairs of links that a motion from elsewhere allows to touch, each for a valid reason.
 
@@ -104,7 +104,7 @@ def contacts_of_motion(
         elif reason == "asked" and type(other) is int and (link, other) in scene.arm.allowed:
             continue
         elif reason != "mount" or not (
-            may_touch_floor(link, scene, chain, bodies)
+            may_touch_floor(link, scene, chain)
             if other == "floor"
             else other == "obstacles" and chain.frames[link] < 0
         ):
@@ -186,12 +186,11 @@ def _may_stand(
     scene: Scene,
     obstacles: Sequence[ExactSolid | ExactMesh],
     chain: ExactChain,
-    bodies: Bodies,
 ) -> bool:
     """Check the stated reason for which a link may touch the floor or an obstacle."""
     frame = chain.frames[link]
     if isinstance(other, str):
-        return reason == "mount" and may_touch_floor(link, scene, chain, bodies)
+        return reason == "mount" and may_touch_floor(link, scene, chain)
     if reason == "asked":
         return (link, other) in scene.arm.allowed
     arm, metre = scene.arm, float(chain.units)
@@ -207,7 +206,7 @@ def not_compared(links: Sequence[str]) -> str:
     return f"; not compared with the floor: {', '.join(links)}" if links else ""
 
 
-def may_touch_floor(link: str, scene: Scene, chain: ExactChain, bodies: Bodies) -> bool:
+def may_touch_floor(link: str, scene: Scene, chain: ExactChain) -> bool:
     """Check whether a link stands still, or the first joint brings it no nearer to the floor.
 
     Such a joint turns about an upright axis or slides level; or the link touches the floor wherever
@@ -222,20 +221,20 @@ def may_touch_floor(link: str, scene: Scene, chain: ExactChain, bodies: Bodies) 
     low, high = (np.array(one) for one in usual_range(chain))
     if scene.robot.links[link].shapes:
         own = in_frame(link, scene.robot, chain)
-        parts = [(own.corners.reshape(-1, 3), np.repeat(own.radii, 3))]
+        corners, radii = own.corners.reshape(-1, 3), np.repeat(own.radii, 3)
+    elif has_own_shape(chain, scene.robot):
+        return False
     else:  # lines stand for it
-        hulls = [piece[-1] for piece in bodies[link]]
-        parts = [
-            (np.array(one.points, dtype=np.float64), np.array([float(one.radius)])) for one in hulls
-        ]
+        lines = zip(chain.before, chain.origins, strict=True)
+        ends = [pose[:3, 3].astype(np.float64) for frame, pose in lines if frame == 0]
+        corners, radii = np.array([np.zeros(3), *ends]), np.array([_THIN * float(chain.units)])
     coordinate = chain.coordinates.index(chain.joints[0].coordinate)
     row = np.clip(0.0, low, high)
     for value in np.linspace(low[coordinate], high[coordinate], _POSES):
         row[coordinate] = value
         frame = chain.place([Fraction(number) for number in row.tolist()])[0]
         up, origin = (np.array(part[2] / 2.0**200, dtype=np.float64) for part in frame[:2])
-        heights = [(corners @ up - radii).min() for corners, radii in parts]
-        if min(heights) + origin > floor + _NEAR:
+        if (corners @ up - radii).min() + origin > floor + _NEAR:
             return False
     return True
 

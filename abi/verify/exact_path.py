@@ -27,7 +27,8 @@ def positions_at(path: ExactPath, at: Fraction) -> Row:
 def rows_around(path: ExactPath, start: Fraction, end: Fraction) -> list[Row]:
     """Rows whose least and largest values bound all positions on a stretch of a path."""
     found: list[Row] = []
-    for piece in range(int(start), max(int(start) + 1, -int(-end // 1))):
+    first = min(int(start), len(path) - 1)
+    for piece in range(first, max(first + 1, -int(-end // 1))):
         low, high = max(start - piece, Fraction(0)), min(end - piece, Fraction(1))
         found += _part(path[piece], low, high)
     return found

@@ -105,7 +105,7 @@ def check_chain(
     check_corners(scene.robot, chain, bodies)
     check_lines(chain, scene.robot, bodies)
     ends = [rows[k] for k in (0, len(rows) // 2, -1)]
-    allowed = allowed_contacts(certificate, scene, obstacles, chain, bodies, ends)
+    allowed = allowed_contacts(certificate, scene, obstacles, chain, ends)
     _check_all_named(capsules, pairs, allowed)
     if section.get("allowed") != certificate.get("allowed"):
         raise Fault("the plan lists other contacts that are allowed")

@@ -79,13 +79,13 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     if not has_own_shape(motion.chain, scene.robot):
         raise Fault("no link of the robot that moves has a shape")
     few = [positions_at(motion.path, Fraction(k * len(motion.path), 4)) for k in range(5)]
-    allowed = contacts_of_motion(data, scene, motion.chain, pieces, few)
+    allowed = contacts_of_motion(data, scene, motion.chain, few)
     pairs = _pairs(certificate, len(bodies))
     planes = planes_of(MOTION, certificate, partial(_key, len(bodies)))
     span = Fraction(0), Fraction(len(motion.path))
     floor = ExactFloor(min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2])))
     links = {body.link for body in bodies}
-    standing = {one for one in links if may_touch_floor(one, scene, motion.chain, pieces)}
+    standing = {one for one in links if may_touch_floor(one, scene, motion.chain)}
     stated = {one.get("link") for one in data["allowed"] if one.get("other") == "floor"}
     stated |= {bodies[number].link for number, other in planes if other == "floor"}
     sunk = sorted(one for one in standing if motion.chain.frames[one] >= 0)

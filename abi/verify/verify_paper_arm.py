@@ -205,6 +205,9 @@ def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlid
     if abs(duration - (t1 + t2 + t3)) > _SAME * (1 + duration):
         raise Fault("its duration is not that of its three phases")
     rates = Fraction(motion.acceleration), Fraction(motion.deceleration)
+    ways = (1, motion.speed), (t1, rates[0]), (t3, rates[1])
+    if any(peak > Fraction(most) * time * (1 + _SAME) for time, most in ways):
+        raise Fault("its speed is larger, or grows faster, than its scene lets it")
     if not any((t1, t2, t3)):
         return anywhere(start, start)
     if (motion.law != "three_phase" or motion.time_step is not None) and t1 and t3:

@@ -103,6 +103,8 @@ def test_a_clear_motion_is_proven_and_its_certificate_verified() -> None:
     distance, _ = nearest(verdict.problem, np.linspace(0, 1, 2001))
     assert verdict.clearance <= distance
     data = json.loads(json.dumps(verdict.to_dict(), allow_nan=False))
+    planes = data["certificate"]["planes"]
+    planes.append(planes[0] | {"t0": 1, "t1": 1, "at": 1})  # of the end alone
     (proof,) = verify(data)
     assert proof.proven, proof.reason
 

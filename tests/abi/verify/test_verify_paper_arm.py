@@ -71,6 +71,10 @@ def test_a_certificate_is_accepted_with_and_without_a_moving_slide(honest: Data)
     hasty["arm"]["time"] = [time / 2 for time in hasty["arm"]["time"]]
     hasty["arm"]["peak_joint_speed"] = [2 * one for one in hasty["arm"]["peak_joint_speed"]]
     assert "three phases" in of_arm(hasty).reason
+    for name in ("speed", "acceleration", "deceleration"):
+        slower = copy.deepcopy(pushed)
+        slower["scene"]["motion"] |= {name: 0.01, "law": "slowed"}
+        assert "speed is larger, or grows faster" in of_arm(slower).reason
     pushed["scene"]["arm"]["forces"][1] = 3.0
     assert not of_arm(pushed).proven
 
