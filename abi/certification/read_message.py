@@ -21,6 +21,7 @@ from abi.certification.stated_object import StatedObject, is_turn
 from abi.errors import AbiError, short
 from abi.obstacles.pose import METRES
 from abi.robot.urdf.urdf_joints import some_of
+from abi.scene.settings import MOST_SAMPLES, SAMPLES
 
 _INSIDE = ("joint_trajectory", "trajectory", "solution", "motion")
 _STATES = ("trajectory_start", "start_state")
@@ -93,7 +94,7 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
                 _check_legs(found["scene"].get("tasks"))
                 planned = found.get("trajectory")
             if isinstance(planned, dict):
-                return _planned(planned, found["scene"], slides)
+                return _planned(planned, found, slides)
             # a verdict, or a motion beside the scene that it was made in: what moves is not held
             state, beside = _state_of_scene(found["scene"], slides), found.get("motion")
             moved = beside.get("joints") if isinstance(beside, dict) else None
@@ -254,13 +255,45 @@ def _is_set(value: object) -> bool:
     return value is not None and value is not False
 
 
-def _planned(motion: dict[str, Any], scene: dict[str, Any], slides: Sequence[str]) -> Motion:
-    """Motion of a plan, whose slides are in its scene's unit; straight between its samples."""
+def _planned(motion: dict[str, Any], plan: dict[str, Any], slides: Sequence[str]) -> Motion:
+    """Motion of a plan, whose slides are in its scene's unit; straight between all its samples.
+
+    A plan may have a part of them alone, and all in its certificate.
+    """
+    scene, said = plan["scene"], list[str]()
     state, metres = _state_of_scene(scene, slides), METRES[scene.get("unit", "cm")]
-    plain = _plain({name: motion.get(name, []) for name in ("joints", "time", "positions")})
+    fields = {name: motion.get(name, []) for name in ("joints", "time", "positions")}
+    certificate = motion.get("certificate")
+    if isinstance(certificate, dict) and certificate.get("positions") is not None:
+        fields["positions"] = certificate["positions"]
+        times = _table("time", [fields["time"]])[0]
+        count = len(_table("positions", fields["positions"]))
+        fields["time"] = np.linspace(times[0], times[-1], count).tolist()
+    elif isinstance(fields["time"], list) and len(fields["time"]) < _samples_of(plan):
+        raise AbiError(
+            "The plan has only some of the samples of its motion, which moves otherwise between.",
+            "Write it by abi plan --full, or give the motion that abi export writes of its scene.",
+        )
+    plain, error = _plain(fields), plan.get("error")
+    if motion.get("certified") is False:
+        said.append("The arm's motion is NOT proven clear.")
+    if isinstance(error, dict) and isinstance(error.get("message"), str):
+        said.append(error["message"])
     scale = [metres if name in slides else 1.0 for name in plain.joints]
-    positions = plain.positions * np.array(scale)
-    return Motion(plain.joints, plain.times, positions, start=state)
+    positions, notes = plain.positions * np.array(scale), told(" ".join(said) or None)
+    return Motion(plain.joints, plain.times, positions, start=state, notes=tuple(notes))
+
+
+def _samples_of(plan: Mapping[str, Any]) -> int:
+    """Number of samples of a plan's motion as its scene asks for; 0 if it does not say."""
+    asked, timing = plan["scene"].get("motion"), plan.get("timing")
+    if not isinstance(asked, dict) or not isinstance(timing, dict):
+        return 0
+    step, duration, count = asked.get("time_step"), timing.get("duration"), asked.get("samples")
+    if step is None:
+        return count if isinstance(count, int) else SAMPLES
+    known = _is_number(duration) and _is_number(step) and step > 0
+    return round(min(duration / step, MOST_SAMPLES)) + 1 if known else 0
 
 
 def _state_of_scene(scene: dict[str, Any], slides: Sequence[str]) -> RobotState:

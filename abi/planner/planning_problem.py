@@ -11,10 +11,7 @@ from abi.curves.fit_quadratic import Mode
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import Scene
-from abi.scene.settings import MOST_SAMPLES, MotionSettings
-
-SAMPLES = 401
-"""Samples of the arm's motion, uniform in time, unless the scene asks for others."""
+from abi.scene.settings import MOST_SAMPLES, SAMPLES, MotionSettings
 
 
 @dataclass(frozen=True, eq=False)

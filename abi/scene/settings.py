@@ -18,8 +18,8 @@ from abi.obstacles.pose import LARGEST, Vec3
 from abi.scene.lattices import LATTICES, Lattice
 from abi.scene.section import Settings
 
-MOST_SAMPLES = 20_000
-"""Largest number of samples of a motion that a scene may ask for."""
+SAMPLES, MOST_SAMPLES = 401, 20_000
+"""Samples of a motion, uniform in time, unless a scene asks for others, and at most."""
 
 Algorithm = Literal["a_star", "dijkstra", "bellman_ford"]
 Law = Literal["three_phase", "slowed", "time_optimal", "jerk_limited"]

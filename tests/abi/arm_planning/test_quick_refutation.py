@@ -12,8 +12,8 @@ from abi.arm_planning.motion.arm_clearance import is_clear
 from abi.arm_planning.motion_law import motion_law
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import Planner
-from abi.planner.planning_problem import SAMPLES
 from abi.scene.scene import load_scene
+from abi.scene.settings import SAMPLES
 
 LAWS = ("three_phase", "slowed", "time_optimal")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import cache
 from typing import Any
 
@@ -12,9 +13,11 @@ from abi.arrays import FloatArray
 from abi.certification.certify_motion import certify_motion
 from abi.certification.kept_direction import KeptDirection, kept_direction
 from abi.certification.motion import Motion
+from abi.certification.read_message import read_message
 from abi.certification.robot_motion import RobotMotion, robot_motion
 from abi.certification.robot_scene import robot_scene
 from abi.certification.verdict_words import direction_sentences
+from abi.errors import AbiError
 from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
 from abi.verify import held_direction
@@ -178,6 +181,17 @@ def test_a_planned_motion_keeps_what_its_scene_holds_exactly() -> None:
     positions = found.motion.positions
     turned = Motion(found.motion.joints, found.motion.time, positions)
     assert judged(turned, scene).state == "kept"
+    # all samples are read of its JSON, from its certificate or in full
+    for data in (found.to_dict(), found.to_dict(full=True)):
+        read = read_message(json.loads(json.dumps(data)), ())
+        assert (read.positions == positions).all()
+        np.testing.assert_allclose(read.times, found.motion.time, atol=1e-12)
+        data["arm"] |= {"certificate": None, "certified": False}
+        if data["arm"]["positions"] == positions.tolist():
+            assert "NOT proven" in read_message(data, ()).notes[0]
+        else:
+            with pytest.raises(AbiError, match="only some of the samples"):
+                read_message(data, ())
     off = positions.copy()
     off[200, 4] += 0.02
     assert judged(Motion(found.motion.joints, found.motion.time, off), scene).state == "left"
