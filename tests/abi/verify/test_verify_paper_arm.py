@@ -221,6 +221,20 @@ def test_no_capsule_may_be_less_than_its_link(
     assert reason in found.reason
 
 
+def test_many_seams_are_a_gap(honest: Data) -> None:
+    data = copy.deepcopy(honest)
+    capsules = data["arm"]["certificate"]["capsules"]
+    column = [one for one in capsules if one["body"] == "column"]
+    settings = data["scene"]["arm"]
+    seam = (settings["a1"] + settings["a2"]) / 51
+    points = [{"low": k * seam, "high": k * seam, "radius": 1e-6} for k in range(52)]
+    data["arm"]["certificate"]["capsules"] = [
+        *(one for one in capsules if one["body"] != "column"),
+        *(one | point for one in column for point in points),
+    ]
+    assert "leave a gap along the column" in of_arm(data).reason
+
+
 @given(st.lists(st.floats(0.05, 20.0), min_size=5, max_size=5))
 def test_capsules_of_every_arm_leave_no_gap(lengths: list[float]) -> None:
     names = ("a1", "a2", "a3", "a4", "a5")
