@@ -17,8 +17,8 @@ from abi.robot.any_arm import AnyArm
 class JointRates(ShortRepr):
     """Speeds, accelerations and torques of the n joints at the m samples of a motion.
 
-    They are differences of the samples: of a bend that the tool passes in less than two of them
-    they show only part of the acceleration.
+    They are differences of the samples, which begin and end at rest: of a bend that the tool passes
+    in less than two of them they show only part of the acceleration.
 
     Attributes:
         speeds: shape (m, n), [rad/s] or [unit/s].
@@ -57,7 +57,7 @@ def joint_rates(arm: AnyArm, motion: ArmMotion, acceleration: float) -> JointRat
         speeds, growths = motion.rates
     elif step > 0:
         speeds = np.gradient(motion.positions, step, axis=0)
-        growths = second_derivatives(motion.positions, step)
+        growths = _from_rest(motion.positions, step)
     else:
         speeds = growths = np.zeros_like(motion.positions)
     torques = arm.torques(motion.positions, speeds, growths)
@@ -115,3 +115,15 @@ def _with_steps(motion: ArmMotion, speeds: FloatArray) -> FloatArray:
         steps = np.concatenate(beside)
         speeds = np.where(np.abs(steps) > np.abs(speeds), steps, speeds)
     return speeds
+
+
+def _from_rest(positions: FloatArray, step: float) -> FloatArray:
+    """Accelerations (m, n) of positions in equal steps, at both ends as from rest where larger.
+
+    Whoever goes so far from rest in a step has that acceleration somewhere on it.
+    """
+    growths = second_derivatives(positions, step)
+    for end, beside in ((0, 1), (-1, -2)):
+        needed = 2 * (positions[beside] - positions[end]) / step**2
+        growths[end] = np.where(np.abs(needed) > np.abs(growths[end]), needed, growths[end])
+    return growths

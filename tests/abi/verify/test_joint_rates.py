@@ -87,6 +87,10 @@ def test_a_plan_in_half_its_time_is_refused() -> None:
     plan = Planner()(NEAR.replace(motion={"law": "time_optimal"}))
     data: dict[str, Any] = json.loads(json.dumps(plan.to_dict()))
     assert data["arm"]["within_limits"]
+    # three samples show no second difference of a motion that speeds up before the second
+    few = {"law": "three_phase", "samples": 3, "acceleration": 40.0, "deceleration": 40.0}
+    coarse = json.loads(json.dumps(Planner()(NEAR.replace(motion=few)).to_dict()))
+    assert (found := verdict_on("arm", coarse)).proven, found.reason
     other = copy.deepcopy(data)
     other["arm"]["joint_acceleration_limits"] = [100 * ASKED] * 6
     assert "joint_acceleration_limits are not those" in verdict_on("arm", other).reason
