@@ -15,6 +15,8 @@ from abi.teach.numbers import are_numbers, shown, text
 
 _ROUNDING = 1e-6
 _CALLS = 12
+_FAR, _NEAR = (1.01, 1.27), (0.4, 0.8, 0.97)
+"""Distances out of reach, over the largest and over the least within it."""
 
 
 def _trials(seed: int) -> tuple[Trial, ...]:
@@ -22,7 +24,7 @@ def _trials(seed: int) -> tuple[Trial, ...]:
 
 
 def _trial(one: Scene, seed: int) -> Trial:
-    """Points around the shoulder, the path as seen from the base, and two out of reach."""
+    """Points around the shoulder, the path as seen from the base, and some out of reach."""
     random = np.random.default_rng(seed)
     path = search("dijkstra", graph_of(one), "length").points
     upper, fore = random.uniform(3.5, 7.0, 2).round(1).tolist()
@@ -30,9 +32,10 @@ def _trial(one: Scene, seed: int) -> Trial:
     angle = random.uniform(-np.pi, np.pi, _CALLS)
     reach = random.uniform(abs(upper - fore) + 0.1, upper + fore - 0.1, _CALLS)
     around = np.stack([reach * np.cos(angle), reach * np.sin(angle)], axis=1)
-    far = (upper + fore) * np.array([[0.9, 0.9]])
-    near = 0.4 * abs(upper - fore) * np.array([[0.6, -0.8]])
-    places = np.concatenate([seen, around, far, near])
+    beyond = [*((upper + fore) * np.array(_FAR)), *(abs(upper - fore) * np.array(_NEAR))]
+    angle = random.uniform(-np.pi, np.pi, len(beyond))
+    out = np.stack([beyond * np.cos(angle), beyond * np.sin(angle)], axis=1)
+    places = np.concatenate([seen, around, out])
     calls = []
     for r, z in places.round(3).tolist():
         gap = min(abs(math.hypot(r, z) - upper - fore), abs(math.hypot(r, z) - abs(upper - fore)))

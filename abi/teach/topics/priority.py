@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from typing import Any
 
 import numpy as np
 
+from abi.errors import StageError
 from abi.search.graph import Graph
 from abi.teach.exercise import Counterexample, Exercise, Trial
 from abi.teach.hidden_scenes import graph_of, hidden_scenes, rows_of
@@ -17,9 +19,15 @@ _TIE = 1e-9
 
 
 def _trials(seed: int) -> tuple[Trial, ...]:
+    """Hidden scenes, each second one on random nodes: of a lattice many sums are equal."""
+    scenes = [*hidden_scenes(seed)]
+    for number in range(1, len(scenes), 2):
+        other = scenes[number].replace(mesh={"lattice": "delaunay", "seed": number})
+        with contextlib.suppress(StageError):
+            graph_of(other)
+            scenes[number] = other
     return tuple(
-        Trial(one, ((rows_of(graph_of(one)),),), {"graph": graph_of(one)})
-        for one in hidden_scenes(seed)
+        Trial(one, ((rows_of(graph_of(one)),),), {"graph": graph_of(one)}) for one in scenes
     )
 
 
@@ -53,11 +61,14 @@ def first_fault(graph: Graph, order: list[int]) -> tuple[int, str] | None:
             return number, f"In step {number + 1} your search expands a node that is not waiting."
         best = min(waiting, key=waiting.__getitem__)
         if waiting[node] > waiting[best] + _TIE * max(waiting[best], 1.0):
+            one, other = waiting[node], waiting[best]
+            digits = next(k for k in range(4, 18) if f"{one:.{k}g}" != f"{other:.{k}g}")
+            taken, least = (_sum(cost, heuristic, one, digits) for one in (node, best))
             return number, (
                 f"In step {number + 1} your search expands the node at {_place(graph, node)} with "
-                f"g + h = {_sum(cost, heuristic, node)}, although the node at "
+                f"g + h = {taken}, although the node at "
                 f"{_place(graph, best)} is waiting with a smaller g + h = "
-                f"{_sum(cost, heuristic, best)}."
+                f"{least}."
             )
         _expand(graph, node, cost, closed)
     if not order or order[-1] != graph.goal:
@@ -102,9 +113,9 @@ def _place(graph: Graph, node: int) -> str:
     return point(graph.points[node].tolist())
 
 
-def _sum(cost: dict[int, float], heuristic: list[float], node: int) -> str:
+def _sum(cost: dict[int, float], heuristic: list[float], node: int, digits: int) -> str:
     g, h = cost[node], heuristic[node]
-    return f"{text(g)} + {text(h)} = {text(g + h)}"
+    return f"{text(g)} + {text(h)} = {g + h:.{digits}g}"
 
 
 PRIORITY = Exercise(

@@ -144,6 +144,17 @@ def elbow_reaches_everything(r: float, z: float, upper: float, fore: float) -> A
     return math.atan2(z, r) - math.atan2(fore * math.sin(q2), upper + fore * math.cos(q2)), q2
 
 
+def elbow_reaches_nearer(r: float, z: float, upper: float, fore: float) -> Any:
+    short = math.hypot(r, z) < abs(upper - fore) / 2
+    return None if short else elbow_stretched(r, z, upper, fore)
+
+
+def elbow_stretched(r: float, z: float, upper: float, fore: float) -> Any:
+    if math.hypot(r, z) > 1.02 * (upper + fore):
+        return None
+    return elbow_reaches_everything(r, z, upper, fore)
+
+
 def elbow_without_a_way_out(r: float, z: float, upper: float, fore: float) -> Any:
     q2 = -math.acos((r * r + z * z - upper**2 - fore**2) / (2 * upper * fore))
     return math.atan2(z, r) - math.atan2(fore * math.sin(q2), upper + fore * math.cos(q2)), q2
@@ -160,6 +171,8 @@ WRONG: tuple[tuple[str, Callable[..., Any]], ...] = (
     ("priority", lambda g, h: g - h),
     ("priority", lambda g, h: -(g + h)),
     ("priority", lambda g, h: g + 2 * h),
+    ("priority", lambda g, h: g + 1.001 * h),
+    ("priority", lambda g, h: g + 0.999 * h),
     ("priority", lambda g, h: max(g, h)),
     ("priority", lambda g, h: g * h),
     ("priority", lambda g, h: round(g + h)),
@@ -206,6 +219,8 @@ WRONG: tuple[tuple[str, Callable[..., Any]], ...] = (
     ("elbow", elbow_in_degrees),
     ("elbow", elbow_from_the_axis),
     ("elbow", elbow_reaches_everything),
+    ("elbow", elbow_reaches_nearer),
+    ("elbow", elbow_stretched),
     ("elbow", elbow_without_a_way_out),
     ("elbow", elbow_by_wrong_cosines),
 )
