@@ -13,8 +13,6 @@ from typing import NamedTuple
 from abi.arm_planning.certificates.separate_pairs_kernels import (
     ALLOWANCE,
     FINEST,
-    NO_DIRECTION,
-    Direction,
     Found,
     Moving,
     Span,
@@ -29,6 +27,7 @@ from abi.compilation.plain import numbers, zeros
 from abi.compiled import FLOATS, compiled
 from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
+    NO_PLANE,
     REFUTED,
     UNDECIDED,
     Attempt,
@@ -232,9 +231,9 @@ def _refined(
     return True, (outcome, gap - rounding, way)
 
 
-_AlongKnots = tuple[ChainTable, Bodies, FloatArray, Obstacles, bool, _Pose, list[Direction]]
+_AlongKnots = tuple[ChainTable, Bodies, FloatArray, Obstacles, bool, _Pose, list[SeparatingPlane]]
 """A chain, its capsules, knots of its joints, what it is to keep clear of, whether planes are
-wanted, and room for a pose and for directions."""
+wanted, and room for a pose and for planes."""
 
 
 @jitable
@@ -368,7 +367,7 @@ def separate_knots(
     placed = zeros(len(bodies.frames) + 1)
     own = _Pose(numbers(count), ways, ends, poses, numbers(count), placed)
     pose = borrowed(own)
-    problem = chain, bodies, knots, around, certify, pose, [NO_DIRECTION]
+    problem = chain, bodies, knots, around, certify, pose, [NO_PLANE]
     lists = new_lists()
     whole = whole_motion(len(knots) // count)
     near = _go_to(problem, whole, halves_of_motion(problem, whole)[1].start)

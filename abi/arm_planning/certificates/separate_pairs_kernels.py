@@ -33,27 +33,9 @@ from abi.obstacles.vector_kernels import Vec3, dot, sub
 _LATEST = 8
 
 
-class Direction(NamedTuple):
-    """A direction that separates a capsule from parts of a mesh near a pose.
-
-    Attributes:
-        way: unit vector towards the capsule, world.
-        level: less the mesh's margin, the greatest product that such a part may have, [unit].
-        mesh: number of the mesh.
-    """
-
-    way: Vec3
-    level: float
-    mesh: int
-
-
-NO_DIRECTION = Direction((0.0, 0.0, 1.0), 0.0, -1)
-"""Example for the compiler."""
-
-
 @jitable(forceinline=True)
-def is_separated(around: Obstacles, s: int, latest: list[Direction]) -> bool:
-    """Check whether a direction found lately separates a capsule from the part of a mesh in row s.
+def is_separated(around: Obstacles, s: int, latest: list[SeparatingPlane]) -> bool:
+    """Check whether a plane found lately separates a capsule from the part of a mesh in row s.
 
     Near triangles have one in common with those beside and behind them.
     """
@@ -62,26 +44,27 @@ def is_separated(around: Obstacles, s: int, latest: list[Direction]) -> bool:
 
 
 @jitable(forceinline=True)
-def _is_beyond(around: Obstacles, s: int, latest: list[Direction]) -> bool:
-    """Check whether one of the kept directions separates the part of a mesh in row s, too."""
+def _is_beyond(around: Obstacles, s: int, latest: list[SeparatingPlane]) -> bool:
+    """Check whether one of the kept planes has the part of a mesh in row s beyond it, too."""
     mesh = around.meshes[s]
     axes, core = axes_of(around.primitives, s), core_of(around.primitives, s)
     centre, margin = centre_of(around.primitives, s), around.margins[s]
     for k in range(len(latest) - 1, -1, -1):
         known = latest[k]
-        if known.mesh == mesh:
-            reached = dot(known.way, centre) + support(core, in_body(axes, known.way))
+        if known.obstacle == mesh:
+            way = known.direction
+            reached = dot(way, centre) + support(core, in_body(axes, way))
             if reached < known.level - margin:
                 return True
     return False
 
 
 @jitable(forceinline=True)
-def keep_direction(latest: list[Direction], way: Vec3, level: float, mesh: int) -> None:
-    """Add a direction, see :class:`Direction`, to the latest, of which the oldest go."""
+def keep_plane(latest: list[SeparatingPlane], plane: SeparatingPlane) -> None:
+    """Add a plane between a capsule and parts of a mesh to the latest, of which the oldest go."""
     if len(latest) == _LATEST:
         latest.pop(0)
-    latest.append(Direction(way, level, mesh + 0))
+    latest.append(plane)
 
 
 ALLOWANCE = 2.0**-40
@@ -142,7 +125,7 @@ def _level(
     level_at_ends: Callable[[_Arm, Moving, Vec3], float],
     arm: _Arm,
 ) -> float:
-    """Level of a :class:`Direction` that is to separate a capsule all along a piece, [unit]."""
+    """Level of a plane that is to separate a capsule all along a piece, [unit]."""
     level = min(dot(way, capsule.first), dot(way, capsule.last)) - capsule.way
     if capsule.bow < capsule.way:
         level = max(level, level_at_ends(arm, capsule, way) - capsule.bow)
@@ -190,7 +173,7 @@ def separate_pairs(
     around: Obstacles,
     span: Span,
     lists: ProofLists,
-    latest: list[Direction],
+    latest: list[SeparatingPlane],
     capsule_of: Callable[[_Arm, int], Moving],
     level_at_ends: Callable[[_Arm, Moving, Vec3], float],
     refined: Callable[[_Arm, Obstacles, int, int, float, Found], tuple[bool, Found]],
@@ -204,7 +187,7 @@ def separate_pairs(
         around: what to keep clear of.
         span: the piece.
         lists: written; a pair is capsule times number of obstacles, plus obstacle.
-        latest: directions that may serve for the next pair, too; room.
+        latest: planes that may serve for the next pair, too, by numbers of meshes; room.
         capsule_of: a capsule of the arm, by its number.
         level_at_ends: least n·P over the points P of a capsule's segment at both ends of the piece.
         refined: what is found of a closer body than a capsule, by the number of this, the row, the
@@ -247,7 +230,8 @@ def separate_pairs(
                 planes.append(SeparatingPlane(start, end, -1 - pair if closer else pair, way, at))
             if around.meshes[s] >= 0 and not closer:
                 level = _level(allowance, capsule, way, level_at_ends, arm)
-                keep_direction(latest, way, level, around.meshes[s])
+                mesh = around.meshes[s] + 0
+                keep_plane(latest, SeparatingPlane(start, end, mesh, way, level))
         elif not open_box(around, pair, capsule.way, (capsule.first, capsule.last), work):
             candidates.append(pair)
             farthest = max(farthest, capsule.way)

@@ -16,8 +16,6 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
     ALLOWANCE,
     FINEST,
     LONGER,
-    NO_DIRECTION,
-    Direction,
     Moving,
     Span,
     as_found,
@@ -29,6 +27,7 @@ from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
+    NO_PLANE,
     UNDECIDED,
     Attempt,
     CurvePoints,
@@ -36,6 +35,7 @@ from abi.curves.clearance.separation_kernels import (
     Outcome,
     Piece,
     ProofLists,
+    SeparatingPlane,
     halves_of_curve,
     new_lists,
     separate_pieces,
@@ -126,8 +126,8 @@ def _farthest(points: FloatArray, piece: Piece, middle: Vec3) -> float:
     return farthest * LONGER
 
 
-_AlongCurve = tuple[CurvePoints, ArmTable, Obstacles, Slide, list[Direction]]
-"""The tool's curve, an arm, what it is to keep clear of, bounds of q5, and room for directions."""
+_AlongCurve = tuple[CurvePoints, ArmTable, Obstacles, Slide, list[SeparatingPlane]]
+"""The tool's curve, an arm, what it is to keep clear of, bounds of q5, and room for planes."""
 
 
 @jitable(forceinline=True)
@@ -201,6 +201,6 @@ def separate_arm(
     width = len(world) // (3 * (len(breaks) - 1))
     curve, whole = whole_curve(points, breaks, width)
     limits = HalvingLimits(width, FINEST * around.size, most_tries, math.inf, False, False)
-    problem = curve, arm, around, slide, [NO_DIRECTION]
+    problem = curve, arm, around, slide, [NO_PLANE]
     ending = separate_pieces(problem, whole, halves_of_curve, _along_curve, limits, lists)
     return (*ending, table_of(lists.planes))

@@ -26,7 +26,6 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
     ALLOWANCE,
     FINEST,
     LONGER,
-    NO_DIRECTION,
     Span,
     as_found,
     separate_pairs,
@@ -42,7 +41,7 @@ from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLAGS, compiled
-from abi.curves.clearance.separation_kernels import REFUTED, new_lists
+from abi.curves.clearance.separation_kernels import NO_PLANE, REFUTED, new_lists
 from abi.obstacles.triangle_mesh.surface_tables_kernels import DescentWorkspace, new_room
 from abi.obstacles.triangle_mesh.triangle_kernels import DEPTH
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
@@ -145,7 +144,7 @@ def arm_is_clear(segments: ArmSegments, contact: _LastContact, first: Vec3, last
     arm, around, forearm, slid, most_tries = segments
     length, way = distance(first, last), sub(last, first)
     pending, at, tries = [(0.0, 1.0, 0, 0)], 0, 0
-    lists, latest = new_lists(), [NO_DIRECTION]
+    lists, latest = new_lists(), [NO_PLANE]
     candidates, work = lists.candidates, lists.work
     while at < len(pending):
         start, end, lowest, highest = pending[at]
