@@ -28,6 +28,7 @@ from abi.obstacles.triangle_mesh.shells import (
     Edges,
     Shells,
     areas_of,
+    components,
     have_both_sides,
     patches_of,
     shells_of,
@@ -38,6 +39,7 @@ from abi.obstacles.triangle_mesh.union import united
 from abi.obstacles.triangle_mesh.welding import (
     faces_in_order,
     in_order,
+    near_rows,
     weld,
     weld_nearby,
     without_duplicates,
@@ -119,8 +121,9 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
             sheets, moved = sheets + first, moved + first
             solids = [merged_faces, *(one + first for one in solids[1:])]
             vertices = np.concatenate([corners, vertices])
-    sheets, _ = without_duplicates(sheets[areas_of(vertices, sheets) > 0])
-    moved = moved[areas_of(vertices, moved) > 0]
+    sheets, moved = (
+        without_duplicates(one[areas_of(vertices, one) > 0])[0] for one in (sheets, moved)
+    )
     count = len(sheets) + len(moved)
     folded = _folded(vertices, solids, size) if shells.notes and parts else 0
     if count and sum(map(len, solids)) + 2 * count <= most:
@@ -204,33 +207,37 @@ def _is_thin(vertices: FloatArray, shells: Shells) -> BoolArray:
 def _split(
     vertices: FloatArray, faces: IntArray, size: float
 ) -> tuple[FloatArray, Shells, IntArray]:
-    """Split a mesh into shells, closing small gaps if more of it bounds solids then.
+    """Split a mesh into shells, closing small gaps if less of it is sheets then.
 
-    Nearby corners are joined, and edges split at corners that lie on them. Corners of what bounds a
-    solid already stay where they are. Triangles whose corners moved are there as they were, too, so
-    that nothing of the surface is lost, be it thinner than the gap.
+    Nearby corners are joined, and edges split at corners that lie on them. Where all edges of what
+    is connected have sides that cancel, it stays as it is. Triangles whose corners moved are there
+    as they were, too, so that nothing of the surface is lost, be it thinner than the gap.
 
     Returns:
         Its vertices, its shells, and the triangles as they were before corners moved.
     """
     shells = _split_as_it_is(vertices, faces)
-    split, solid, kept = (vertices, shells, faces[:0]), shells.is_solid, shells.faces
-    if solid.all():
+    split, edges = (vertices, shells, faces[:0]), Edges.of(faces)
+    is_open = (edges.balance != 0)[edges.edge]
+    if not is_open.any() or (shells.is_solid.all() and edges.sides.max() <= 2):
         return split
-    # sheets, as this repair leaves them, have both sides, and stay sheets when they are read again
-    both, given = np.sort(faces[have_both_sides(faces)], axis=1), np.sort(faces, axis=1)
-    stays = solid | in_rows(np.sort(kept, axis=1), both)
-    if stays.all():
-        return split
-    loose = faces[~in_rows(given, np.sort(kept[stays], axis=1))]
-    near, near_faces, moved = weld_nearby(vertices, loose, _WELD * size)
+    _, number = near_rows(vertices, _WELD * size)
+    a, b, c = number[faces].T
+    count = int(number.max()) + 1
+    part = components(np.concatenate([a, b]), np.concatenate([b, c]), count)[1][a]
+    is_loose = np.isin(part, part[edges.face[is_open]])
+    near, near_faces, moved = weld_nearby(vertices, faces[is_loose], _WELD * size)
     pieces, beside = split_at_corners(near, near_faces, _WELD * size)
-    corners, ids = np.concatenate([near, vertices]), kept[stays] + np.int32(len(near))
+    is_split, before = len(pieces) > len(near_faces), np.concatenate([moved, beside])
+    if not is_split and not len(moved):
+        return split
+    corners, ids = np.concatenate([near, vertices]), faces[~is_loose] + np.int32(len(near))
     corners, faces = weld(corners, np.concatenate([ids, pieces]))
     joined = _split_as_it_is(corners, faces)
-    if joined.is_solid.sum() <= solid.sum():
+    loose = areas_of(vertices, shells.faces[~shells.is_solid]).sum()
+    left = areas_of(corners, joined.faces[~joined.is_solid]).sum()
+    if left >= loose * (1 - _WELD) and Edges.of(faces).balance.any():
         return split
-    is_split, before = len(pieces) > len(near_faces), np.concatenate([moved, beside])
     told = [(_CLOSED_GAPS, not is_split or len(moved) > 0), (_SPLIT, is_split)]
     notes = [sentence for sentence, holds in (*told, (_AS_THEY_WERE, len(before) > 0)) if holds]
     every = np.concatenate([corners, near]) + 0.0
@@ -265,7 +272,10 @@ def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> Shells:
         for both, before in ways[int(Edges.of(faces).balance.any()) :]:
             turned = shells_of(vertices, faces_in_order(both))
             ordered = shells_of(vertices, faces_in_order(turned.faces))
-            thin = int((~ordered.is_solid | _is_thin(vertices, ordered)).sum())
+            loose = ~ordered.is_solid
+            if both is faces:  # what has both its sides changes nothing
+                loose &= ~have_both_sides(ordered.faces)
+            thin = int((loose | _is_thin(vertices, ordered)).sum())
             if thin < least:
                 shells, least = replace(ordered, notes=(*before, *turned.notes)), thin
             if not thin:

@@ -37,7 +37,7 @@ def weld_nearby(
         Vertices (n, 3), those of the surface before behind its own; its faces (m, 3); and faces
         (k, 3) as they were before a corner of theirs moved.
     """
-    first, ids = _near_rows(vertices, size)
+    first, ids = near_rows(vertices, size)
     moved = (vertices[first][ids] != vertices).any(axis=1)[faces].any(axis=1)
     corners = ids[faces].astype(np.int64)
     sides = np.sort(np.stack([corners, corners[:, [1, 2, 0]]], axis=-1), axis=-1)
@@ -55,7 +55,7 @@ def weld_nearby(
     return np.concatenate([welded, vertices]), both, before
 
 
-def _near_rows(vertices: FloatArray, size: float) -> tuple[IntArray, IntArray]:
+def near_rows(vertices: FloatArray, size: float) -> tuple[IntArray, IntArray]:
     """Those of vertices in the same cube of side ``size`` count as one, and so do near ones.
 
     What lies on both sides of a border of cubes is joined, too, unless a whole chain would be.

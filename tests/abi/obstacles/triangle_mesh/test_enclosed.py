@@ -127,6 +127,23 @@ def test_valid_boxes_are_solid_or_told_however_many_more_there_are(
     assert not told or most == 1
 
 
+@pytest.mark.parametrize("seed", [4, 13])
+def test_flush_boxes_stay_solid_with_corners_on_the_edges_of_those_inside(seed: int) -> None:
+    rng, soup = np.random.default_rng(seed), []
+    outer = cut_box((0, 0, 0), (3, 3, 3)), cut_box((3, 0, 0), (5, 3, 3))
+    vertices, faces = meshes.joined(
+        *outer, cut_box((1, 1, 1), (3, 2, 2)), cut_box((2, 1, 1), (3, 2, 2))
+    )
+    for a, b, c in np.roll(vertices[faces], rng.integers(3), axis=1):
+        is_cut = rng.random() < 0.3 and 1 <= min(*a, *b) and max(*a, *b) <= 3
+        soup += [(a, (a + b) / 2, c), ((a + b) / 2, b, c)] if is_cut else [(a, b, c)]
+    corners = np.reshape(soup, (-1, 3))
+    surface = clean(corners, np.arange(len(corners), dtype=np.int32).reshape(-1, 3))
+    points = np.array([[1.5, 1.5, 1.5], [2.5, 1.5, 1.5], [0.5, 0.5, 0.5], [4, 1, 1]])
+    assert is_solid(surface, points).all()
+    assert not any("inside out" in note for note in surface.notes)
+
+
 def test_cubes_that_touch_in_edges_leave_flush_boxes_beside_them_solid(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
