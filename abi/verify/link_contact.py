@@ -91,7 +91,8 @@ def solid_triangles(solid: ExactSolid | ExactMesh, around: bool = False) -> Link
             triangles = _prism(_circle(disc, around), half[2])
         else:
             triangles = _prism(_rectangle(half[0], half[1]), half[2])
-    shells = _shells(triangles)
+    layers = (solid.layers if isinstance(solid, ExactMesh) else ()) or (len(triangles),)
+    shells = _shells(triangles, np.repeat(np.arange(len(layers)), layers))
     firsts = np.unique(shells, return_index=True)[1].astype(np.int32)
     if isinstance(solid, ExactMesh) and not solid.closed:  # no triangle by itself has an inside
         shells = np.arange(len(triangles), dtype=np.int32)
@@ -99,9 +100,14 @@ def solid_triangles(solid: ExactSolid | ExactMesh, around: bool = False) -> Link
     return LinkTriangles(placed, np.full(len(placed), radius), shells, firsts)
 
 
-def _shells(triangles: FloatArray) -> IntArray:
-    """Number of the connected surface that each of triangles (n, 3, 3) is part of, (n,)."""
-    _, ids = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+def _shells(triangles: FloatArray, layer: NDArray[np.int64] | None = None) -> IntArray:
+    """Number of the connected surface that each of triangles (n, 3, 3) is part of, (n,).
+
+    What one winds around must not be taken away by another: those of other layers (n,) are apart.
+    """
+    layer = np.zeros(len(triangles), dtype=np.int64) if layer is None else layer
+    corners = np.column_stack([triangles.reshape(-1, 3), np.repeat(layer, 3)])
+    _, ids = np.unique(corners, axis=0, return_inverse=True)
     sides = ids.reshape(-1, 3)
     pairs = np.concatenate([sides[:, [0, 1]], sides[:, [1, 2]]]).T
     graph = scipy.sparse.coo_array((np.ones(pairs.shape[1]), pairs), (ids.max() + 1,) * 2)
@@ -116,7 +122,32 @@ def touch(first: LinkTriangles, second: LinkTriangles, near: float = _NEAR) -> b
     """
     if holds(first, second) or holds(second, first):
         return True
-    return any(meet(*few).any() for few in near_triangles(first, second, 0.0, near))
+    if any(meet(*few).any() for few in near_triangles(first, second, 0.0, near)):
+        return True
+    return near < 0 and _share_inside(first, second, -near)
+
+
+def _share_inside(first: LinkTriangles, second: LinkTriangles, depth: float) -> bool:
+    """Check whether points beside triangles that only touch, as flush faces do, are in both.
+
+    The points are ``depth`` of the size from the middles of these, on both sides.
+    """
+    every = np.concatenate([first.corners.reshape(-1, 3), second.corners.reshape(-1, 3)])
+    away = depth * float(np.ptp(every, axis=0).max())
+    near = [np.zeros((2, 0), dtype=np.intp)]
+    for i, j in _candidates(first, second, away):
+        met = meet(first.corners[i], second.corners[j], first.radii[i] + second.radii[j] + away)
+        near.append(np.stack([i[met], j[met]]))
+    for rows, one, other in zip(np.hstack(near), (first, second), (second, first), strict=True):
+        corners = one.corners[np.unique(rows)]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        lengths = np.linalg.norm(normal, axis=1, keepdims=True)
+        step = away * normal / np.maximum(lengths, _TINY)
+        points = np.concatenate([corners.mean(axis=1) + step, corners.mean(axis=1) - step])
+        points = points[_inside(other, points)]
+        if _inside(one, points).any():
+            return True
+    return False
 
 
 def boxes_overlap(first: LinkTriangles, second: LinkTriangles) -> bool:
@@ -181,18 +212,23 @@ def _prism(rim: FloatArray, half: float) -> FloatArray:
 
 def holds(solid: LinkTriangles, other: LinkTriangles) -> bool:
     """Check whether a corner of a shell of ``other`` is inside a closed shell of ``solid``."""
-    points, low, high = other.corners[other.firsts, 0], *_box(solid)
-    for point in points[((points >= low) & (points <= high)).all(axis=1)]:
-        a, b, c = (solid.corners - point).swapaxes(0, 1)
+    return bool(_inside(solid, other.corners[other.firsts, 0]).any())
+
+
+def _inside(solid: LinkTriangles, points: FloatArray) -> BoolArray:
+    """Mask of points (k, 3) that are inside a closed shell."""
+    low, high = _box(solid)
+    inside: BoolArray = np.asarray(((points >= low) & (points <= high)).all(axis=1))
+    for row in np.flatnonzero(inside):
+        a, b, c = (solid.corners - points[row]).swapaxes(0, 1)
         la, lb, lc = (np.linalg.norm(one, axis=1) for one in (a, b, c))
         volume = (a * np.cross(b, c)).sum(axis=1)
         spread = la * lb * lc + (a * b).sum(axis=1) * lc
         spread += (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
         turns = np.bincount(solid.shells, np.arctan2(volume, spread)) / (2 * np.pi)
         whole = np.round(turns)
-        if ((whole != 0) & (abs(turns - whole) < _WHOLE)).any():
-            return True
-    return False
+        inside[row] = ((whole != 0) & (abs(turns - whole) < _WHOLE)).any()
+    return inside
 
 
 def _candidates(

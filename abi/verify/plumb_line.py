@@ -20,6 +20,8 @@ _ABOVE, _BELOW = 0.02, 0.2
 _STEPS = 100
 _NEAR = 1e-9
 """Distance up to which the line touches, [m]."""
+_ALONG = 1e-12
+"""Sine of the angle between a plane and a line that lies along it, at most."""
 
 
 def is_beneath(
@@ -66,7 +68,8 @@ def _distance(solid: ExactSolid, point: FloatArray) -> float:
 def _crosses(mesh: ExactMesh, ends: FloatArray) -> bool:
     """Check whether a segment (2, 3) in the body's frame crosses a triangle.
 
-    Signs of volumes: the ends are on both sides, and the edges wind around the line.
+    Signs of volumes: the ends are on both sides, and the edges wind around the line. A triangle in
+    a plane along it is none that it crosses: where it enters a solid there, it meets others.
     """
     a, b, c = (mesh.vertices[mesh.faces[:, k]] - ends[0] for k in range(3))
     way = ends[1] - ends[0]
@@ -74,4 +77,5 @@ def _crosses(mesh: ExactMesh, ends: FloatArray) -> bool:
     first, last = (normal * a).sum(axis=1), (normal * (a - way)).sum(axis=1)
     edges = np.stack([np.cross(one, other) @ way for one, other in ((a, b), (b, c), (c, a))])
     around = (edges >= 0).all(axis=0) | (edges <= 0).all(axis=0)
-    return bool((around & (first * last <= 0) & (np.abs(normal).max(axis=1) > 0)).any())
+    far = np.linalg.norm(normal, axis=1) * np.linalg.norm(way)
+    return bool((around & (first * last <= 0) & (np.abs(first - last) > _ALONG * far)).any())

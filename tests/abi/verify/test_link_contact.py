@@ -16,6 +16,7 @@ from abi.robot.urdf.link import Link, LinkShape
 from abi.verify.exact.mesh import ExactMesh
 from abi.verify.exact.solids import vector
 from abi.verify.link_contact import holds, link_triangles, solid_triangles, touch
+from abi.verify.plumb_line import is_beneath
 
 MESHES = (
     trimesh.creation.annulus(0.05, 0.12, 0.1),
@@ -77,11 +78,23 @@ def test_planner_and_verifier_find_the_same_links_in_contact() -> None:
 
 
 @pytest.mark.parametrize("scale", [1.0, 1000.0])
-@pytest.mark.parametrize(("gap", "expected"), [(0.0, True), (1e-4, False)])
-def test_faces_that_lie_on_each_other_touch(scale: float, gap: float, expected: bool) -> None:
+@pytest.mark.parametrize(
+    ("gap", "near", "expected"),
+    [
+        (0.0, 1e-6, True),
+        (1e-4, 1e-6, False),
+        (0.0, -1e-9, False),
+        (-0.1, -1e-9, True),
+        (-0.2, -1e-9, True),
+    ],
+)
+def test_faces_that_lie_on_each_other_touch(
+    scale: float, gap: float, near: float, expected: bool
+) -> None:
+    """Where depth is asked for, solids in each other have it, though all their sides are flush."""
     box = link_of(shape_of("box", (0.2, 0.2, 0.2), np.eye(4)))
     lying = link_triangles(box, scale).placed(np.eye(3), np.array([0, 0, scale * (0.2 + gap)]))
-    assert touch(link_triangles(box, scale), lying) == expected
+    assert touch(link_triangles(box, scale), lying, near) == expected
 
 
 def test_what_is_inside_touches_also_in_a_cavity_but_not_in_an_open_shell() -> None:
@@ -108,3 +121,23 @@ def test_only_a_closed_obstacle_has_an_inside(closed: bool) -> None:
     obstacle = ExactMesh(np.array(dome.vertices), faces, closed, 1.0, *place)
     link = link_triangles(link_of(shape_of("box", (0.1, 0.1, 0.1), np.eye(4))), 1.0)
     assert holds(solid_triangles(obstacle), link) == closed
+
+
+def test_what_one_layer_winds_around_is_inside_though_another_takes_it_away() -> None:
+    """A larger box inside out that has a corner in common with the smaller one."""
+    box, around = (trimesh.creation.box(bounds=[[0, 0, 0], [size] * 3]) for size in (1, 2))
+    vertices = np.concatenate([box.vertices, around.vertices])
+    faces = np.concatenate([box.faces, around.faces[:, ::-1] + 8]).astype(np.int32)
+    place = vector((-0.5, -0.5, -0.5)), (1.0, 0.0, 0.0, 0.0)
+    obstacle = ExactMesh(vertices, faces, True, 1.0, *place, layers=(12, 12))
+    link = link_triangles(link_of(shape_of("box", (0.1, 0.1, 0.1), np.eye(4))), 1.0)
+    assert holds(solid_triangles(obstacle), link)
+
+
+@pytest.mark.parametrize("x", [0.0, 1.0])
+def test_a_face_in_a_plane_along_the_plumb_line_is_not_beneath_the_base(x: float) -> None:
+    """It is where the line runs along the obstacle's side and meets its top."""
+    box = trimesh.creation.box(bounds=[[x, 0, -1], [x + 1, 1, 0]])
+    place = vector((0.0, 0.0, 0.0)), (1.0, 0.0, 0.0, 0.0)
+    obstacle = ExactMesh(np.array(box.vertices), box.faces.astype(np.int32), True, 1.0, *place)
+    assert is_beneath(obstacle, np.zeros(3), place[1], 1.0) == (x == 0)
