@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeGuard
 
 from abi.errors import SceneError
 from abi.verify.exact.solids import Vec3, vector
@@ -13,17 +13,20 @@ from abi.verify.exact.solids import Vec3, vector
 
 def number_of(value: object) -> Fraction | None:
     """The exact number; None if it is not a number."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < math.inf:
-        return None
-    return Fraction(value)
+    return Fraction(value) if _is_number(value) else None
 
 
 def finite(field: str, value: object) -> float:
     """A number; anything else, or one far too large, is refused."""
-    number = number_of(value)
-    if number is None or abs(number) > 10**15:
+    if not _is_number(value) or abs(value) > 10**15:
         raise SceneError(field, value, "a number up to 1e15")
-    return float(number)
+    return float(value)
+
+
+def _is_number(value: object) -> TypeGuard[int | float]:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return abs(value) < math.inf
 
 
 def numbers_of(field: str, value: object) -> list[float]:

@@ -79,6 +79,7 @@ def _products(*axis: float) -> tuple[Exact, Exact, int]:
     return along, scale * across, scale**2
 
 
+@lru_cache(maxsize=1 << 12)  # joints that stand keep their angles
 def sine_and_cosine(angle: Fraction) -> tuple[int, int, int]:
     """Sine and cosine in 2^-200, and a bound of the error of both, by Taylor's series.
 

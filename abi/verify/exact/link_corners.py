@@ -33,6 +33,8 @@ _FAR = 1e9
 """Largest coordinate of a piece, over the accepted distance: rounding is far less then."""
 _POINTS, _ON_EACH = 600, 3
 """Number of random points of a shape, and of others on each triangle that no piece holds."""
+_AT_ONCE = 100_000
+"""Pairs of a point and a facet that are compared at a time, some 50 MB."""
 _Hull = tuple[FloatArray, float, scipy.spatial.ConvexHull | None]
 """Points (n, 3), the distance from their hull that belongs to it, and its facets; None if flat."""
 _AROUND = np.linspace(0, 2 * np.pi, 16, endpoint=False)
@@ -118,7 +120,7 @@ def _in_hull(corners: FloatArray, hull: _Hull) -> BoolArray:
     """Check which of points (n, 3) are in a hull."""
     points, room, whole = hull
     if len(points) <= 2:
-        return np.asarray(_distances(corners, points[[0, -1]]) <= room)
+        return np.asarray(_distances(corners, points[0], points[-1] - points[0]) <= room)
     if whole is None:  # how far is each from a mean of the points?
         return np.array([_from_means(corner, points) <= room for corner in corners], dtype=np.bool_)
     planes = corners @ whole.equations[:, :3].T + whole.equations[:, 3]
@@ -126,10 +128,11 @@ def _in_hull(corners: FloatArray, hull: _Hull) -> BoolArray:
     inside = away <= 0
     # beyond its edges what is near all planes may be far from it; nearest are facets that it sees
     near = np.flatnonzero(~inside & (away <= room))
-    for facet in np.flatnonzero((planes[near] > 0).any(axis=0)) if len(near) else ():
-        seen = near[(planes[near, facet] > 0) & ~inside[near]]
-        if len(seen):
-            inside[seen] = _from_triangle(corners[seen], points[whole.simplices[facet]]) <= room
+    seen_by, facets = np.nonzero(planes[near] > 0)
+    for first in range(0, len(facets), _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        beside, triangles = near[seen_by[some]], points[whole.simplices[facets[some]]]
+        inside[beside[_from_triangles(corners[beside], triangles) <= room]] = True
     return np.asarray(inside)
 
 
@@ -157,24 +160,25 @@ def _from_means(corner: FloatArray, points: FloatArray) -> float:
     return float(np.linalg.norm(weights @ points / max(weights.sum(), _TINY) - corner))
 
 
-def _from_triangle(points: FloatArray, corners: FloatArray) -> FloatArray:
-    """Distances (n,) of points (n, 3) from a triangle (3, 3)."""
-    edges = [corners[[k, (k + 1) % 3]] for k in range(3)]
-    normal = np.cross(edges[0][1] - edges[0][0], edges[1][1] - edges[1][0])
-    above = np.ones(len(points), dtype=np.bool_)
-    for first, last in edges:
-        above &= (points - first) @ np.cross(normal, last - first) >= 0
-    height = np.abs((points - corners[0]) @ normal) / max(float(np.linalg.norm(normal)), _TINY)
-    around = np.min([_distances(points, edge) for edge in edges], axis=0)
-    return np.asarray(np.where(above & bool(normal.any()), height, around))
+def _from_triangles(points: FloatArray, corners: FloatArray) -> FloatArray:
+    """Distances (n,) of points (n, 3) from a triangle each (n, 3, 3)."""
+    ways = np.roll(corners, -1, axis=1) - corners
+    normals = np.cross(ways[:, 0], ways[:, 1])
+    sideways = np.cross(normals[:, None], ways)
+    above = (np.einsum("nki,nki->nk", points[:, None] - corners, sideways) >= 0).all(axis=1)
+    lengths = np.linalg.norm(normals, axis=1)
+    heights = np.abs(np.einsum("ni,ni->n", points - corners[:, 0], normals))
+    heights /= np.maximum(lengths, _TINY)
+    around = _distances(points[:, None], corners, ways).min(axis=1)
+    return np.asarray(np.where(above & normals.any(axis=1), heights, around))
 
 
-def _distances(points: FloatArray, ends: FloatArray) -> FloatArray:
-    """Distances (n,) of points (n, 3) from the segment between two ends."""
-    first, way = ends[0], ends[1] - ends[0]
-    square = float(way @ way)
-    share = np.clip((points - first) @ way / square, 0, 1) if square > 0 else np.zeros(len(points))
-    return np.asarray(np.linalg.norm(points - first - share[:, None] * way, axis=1))
+def _distances(points: FloatArray, first: FloatArray, ways: FloatArray) -> FloatArray:
+    """Distances (...) of points (..., 3) from segments, each from its first point on its way."""
+    squares = np.einsum("...i,...i->...", ways, ways)
+    along = np.einsum("...i,...i->...", points - first, ways)
+    shares = np.clip(along / np.where(squares > 0, squares, 1.0), 0, 1)
+    return np.asarray(np.linalg.norm(points - first - shares[..., None] * ways, axis=-1))
 
 
 def _corners(shape: LinkShape) -> FloatArray:
