@@ -44,6 +44,8 @@ _DURATIONS = (("sec",), ("sec", "nanosec"), ("sec", "nsec"), ("secs",), ("secs",
 """Names of a duration's seconds, and of the nanoseconds beside them."""
 _LARGEST = 10**300
 _OF_JOINTS = "name", "position"
+_EVENLY = 1e-9
+"""Rounding of evenly spaced times that is let pass, over their last one."""
 _STATE, _LONGEST_STATE = "state", 500
 _MESSAGE = frozenset(
     (
@@ -262,26 +264,33 @@ def _planned(motion: dict[str, Any], plan: dict[str, Any], slides: Sequence[str]
     """
     scene, said = plan["scene"], list[str]()
     state, metres = _state_of_scene(scene, slides), METRES[scene.get("unit", "cm")]
-    fields = {name: motion.get(name, []) for name in ("joints", "time", "positions")}
-    certificate = motion.get("certificate")
+    plain = _plain({name: motion.get(name, []) for name in ("joints", "time", "positions")})
+    positions, times, certificate = plain.positions, plain.times, motion.get("certificate")
     if isinstance(certificate, dict) and certificate.get("positions") is not None:
-        fields["positions"] = certificate["positions"]
-        times = _table("time", [fields["time"]])[0]
-        count = len(_table("positions", fields["positions"]))
-        fields["time"] = np.linspace(times[0], times[-1], count).tolist()
-    elif isinstance(fields["time"], list) and len(fields["time"]) < _samples_of(plan):
+        own, positions = positions, _table("positions", certificate["positions"])
+        times = np.linspace(times[0], times[-1], len(positions))
+        step = max(1, (len(positions) - 1) // max(len(own) - 1, 1))
+        if not (
+            np.array_equal(own, positions[::step])
+            and np.allclose(plain.times, times[::step], rtol=0.0, atol=_EVENLY * times[-1])
+        ):
+            raise AbiError(
+                "The plan's positions are not those of its certificate, evenly in time.",
+                "Give the plan as abi plan wrote it.",
+            )
+    elif len(times) < _samples_of(plan):
         raise AbiError(
             "The plan has only some of the samples of its motion, which moves otherwise between.",
             "Write it by abi plan --full, or give the motion that abi export writes of its scene.",
         )
-    plain, error = _plain(fields), plan.get("error")
+    error = plan.get("error")
     if motion.get("certified") is False:
         said.append("The arm's motion is NOT proven clear.")
     if isinstance(error, dict) and isinstance(error.get("message"), str):
         said.append(error["message"])
     scale = [metres if name in slides else 1.0 for name in plain.joints]
-    positions, notes = plain.positions * np.array(scale), told(" ".join(said) or None)
-    return Motion(plain.joints, plain.times, positions, start=state, notes=tuple(notes))
+    notes = tuple(told(" ".join(said) or None))
+    return Motion(plain.joints, times, positions * np.array(scale), start=state, notes=notes)
 
 
 def _samples_of(plan: Mapping[str, Any]) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 from functools import cache
 from typing import Any
@@ -186,6 +187,12 @@ def test_a_planned_motion_keeps_what_its_scene_holds_exactly() -> None:
         read = read_message(json.loads(json.dumps(data)), ())
         assert (read.positions == positions).all()
         np.testing.assert_allclose(read.times, found.motion.time, atol=1e-12)
+        early, last = data["arm"]["time"][1] / 2, data["arm"]["positions"][-1]
+        for name, value in (("time", early), ("positions", last)):
+            other = copy.deepcopy(data)
+            other["arm"][name][1] = value
+            with pytest.raises(AbiError, match="not those of its certificate"):
+                read_message(other, ())
         data["arm"] |= {"certificate": None, "certified": False}
         if data["arm"]["positions"] == positions.tolist():
             assert "NOT proven" in read_message(data, ()).notes[0]
