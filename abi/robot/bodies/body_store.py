@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import os
 import zipfile
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
@@ -68,9 +69,10 @@ def _folder() -> Path:
 
 def _make_room(folder: Path) -> None:
     """Delete the oldest files beyond those that are kept."""
-    files = [one for one in folder.iterdir() if not one.name.startswith(".")]
-    if len(files) > _MOST:
-        files.sort(key=_age, reverse=True)
+    with os.scandir(folder) as entries:  # asked at each file that is kept
+        names = [one.name for one in entries if not one.name.startswith(".")]
+    if len(names) > _MOST:
+        files = sorted((folder / name for name in names), key=_age, reverse=True)
         for file in files[: len(files) - _MOST // 2]:
             file.unlink(missing_ok=True)
 

@@ -6,6 +6,7 @@ is told, by their exact shapes.
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
@@ -14,9 +15,9 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import Obstacle
-from abi.robot.bodies.always_touching import touch_in_all
+from abi.robot.bodies import body_store, link_poses, link_solids, solid_contact
 from abi.robot.bodies.floor_contacts import SUNK
-from abi.robot.bodies.link_poses import relative_poses
+from abi.robot.bodies.link_poses import placed_beside
 from abi.robot.bodies.link_solids import LinkSolids
 from abi.robot.bodies.link_solids import link_solids as solids_of
 from abi.robot.bodies.solid_contact import compile_kernels, depth, touch
@@ -60,10 +61,10 @@ def held_notes(
     ]
     may_touch = {*chain.robot.may_touch, *map(frozenset, allowed)}
     may_touch |= {frozenset(one.ends) for one in chain.robot.couplings}
-    touching = []
+    pairs = list[tuple[str, str]]()
     for first, second in itertools.combinations(shaped, 2):
-        between = {*groups[first]} ^ {*groups[second]}
-        is_let = not between or frozenset((first, second)) in may_touch
+        moved = {*groups[first]} ^ {*groups[second]}
+        is_let = not moved or frozenset((first, second)) in may_touch
         if frames[first] != frames[second] or is_let:
             continue
         if attached in (first, second):
@@ -71,11 +72,12 @@ def held_notes(
             if groups[other][1:] == groups[attached]:
                 continue  # as fingers, which what holds the object carries by one joint
         (low, high), (others_low, others_high) = bounds[first], bounds[second]
-        if (low > others_high).any() or (others_low > high).any():
-            continue
-        if _touch_as_held(chain, first, second, between):
-            deeper, other = sorted((first, second), key=lambda name: -len(groups[name]))
-            touching.append(f"{deeper} touches {other}, where it is held, which is not compared.")
+        if not (low > others_high).any() and not (others_low > high).any():
+            pairs.append((first, second))
+    touching = []
+    for pair in itertools.compress(pairs, _touch_as_held(chain, pairs)):
+        deeper, other = sorted(pair, key=lambda name: -len(groups[name]))
+        touching.append(f"{deeper} touches {other}, where it is held, which is not compared.")
     return (*_some(sunk), *_some(touching))
 
 
@@ -127,38 +129,50 @@ def _groups(chain: Chain) -> dict[str, tuple[str, ...]]:
     return found
 
 
-def _touch_as_held(chain: Chain, first: str, second: str, between: Collection[str]) -> bool:
-    """Check whether links touch where they are held, and not wherever the joints between are."""
-    one, other = (chain.robot.links[name] for name in (first, second))
-    beside = (np.linalg.inv(chain.places[first]) @ chain.places[second])[None]
-    if not _touch_in_all(one, other, beside[:, :3, :3], beside[:, :3, 3]):
-        return False
-    solids = solids_of(one, 1.0), solids_of(other, 1.0)
-    if depth(*solids, beside[0, :3, :3].copy(), beside[0, :3, 3].copy()) < _SHALLOW:
-        return False
-    by_child = {joint.child: joint for joint in chain.robot.joints}
-    moved = {by_child[child].coordinate: None for child in between}
-    if moved.keys() & {*chain.names}:
-        return True
-    still = {joint.name for joint in chain.robot.joints if joint.follows is None} - {*moved}
-    held = {name: at for name, at in chain.held.items() if name in still}
-    joints = Chain.moved_by(chain.robot, (*moved,), held=held)
-    low, high = joints.usual_range().T
+def _touch_as_held(chain: Chain, pairs: Sequence[tuple[str, str]]) -> list[bool]:
+    """Which links touch where they are held, and not wherever the joints between are.
+
+    What is found is kept from one start to the next, of all pairs in one.
+    """
+    if not pairs:
+        return []
+    robot, groups = chain.robot, _groups(chain)
+    above = {joint.child: joint for joint in robot.joints if joint.kind != "fixed"}
+    free = tuple(joint.name for joint in above.values() if joint.follows is None)
+    anywhere = Chain.moved_by(robot, free)
+    low, high = anywhere.usual_range().T
     # at random, as what is alike on four sides touches at each quarter of a turn
-    positions = np.random.default_rng(0).uniform(low, high, (_POSITIONS, len(low)))
-    return not _touch_in_all(one, other, *relative_poses(joints, first, second, positions))
+    poses = anywhere.poses(np.random.default_rng(0).uniform(low, high, (_POSITIONS, len(low))))
+    code = (__file__, link_poses.__file__, link_solids.__file__, solid_contact.__file__)
+    links = dict.fromkeys(itertools.chain(*pairs))
+    shapes = {name: body_store.key_of(robot.links[name].shapes, code) for name in links}
+    digest, tables = hashlib.sha256(), list[FloatArray]()
+    for first, second in pairs:
+        table = (np.linalg.inv(chain.places[first]) @ chain.places[second])[None, :3]
+        between = {*groups[first]} ^ {*groups[second]}
+        if not {above[child].coordinate for child in between} & {*chain.names}:
+            turned, moved = placed_beside(anywhere, first, second, poses)
+            table = np.concatenate([table, np.concatenate([turned, moved[..., None]], axis=2)])
+        tables.append(np.round(table, 9))
+        digest.update(f"{shapes[first]} {shapes[second]} {table.shape}".encode())
+        digest.update(tables[-1].tobytes())
+    kept = body_store.find(digest.hexdigest())
+    if kept is None:
+        compile_kernels()
+        both = [(robot.links[first], robot.links[second]) for first, second in pairs]
+        found = [_touch_at_first(*two, table) for two, table in zip(both, tables, strict=True)]
+        kept = [np.array(found, dtype=float)]
+        body_store.keep(digest.hexdigest(), kept)
+    return [bool(one) for one in kept[0].tolist()]
 
 
-def _touch_in_all(one: Link, other: Link, turned: FloatArray, moved: FloatArray) -> bool:
-    """Check whether two links touch in all of some poses; wherever the robot stands."""
-    poses = np.round(np.concatenate([turned, moved[..., None]], axis=2), 9)
-    return _kept_touch(one, other, poses.tobytes())
-
-
-@lru_cache(maxsize=4096)
-def _kept_touch(one: Link, other: Link, poses: bytes) -> bool:
-    table = np.frombuffer(poses).reshape(-1, 3, 4)
-    return touch_in_all(one, other, table[..., :3].copy(), table[..., 3].copy())
+def _touch_at_first(one: Link, other: Link, poses: FloatArray) -> bool:
+    """Check whether links touch in the first of some poses (k, 3, 4), and not in all others."""
+    solids = solids_of(one, 1.0), solids_of(other, 1.0)
+    first, *others = ((pose[:, :3].copy(), pose[:, 3].copy()) for pose in poses)
+    if not touch(*solids, *first) or depth(*solids, *first) < _SHALLOW:
+        return False
+    return not others or not all(touch(*solids, *pose) for pose in others)
 
 
 def _bounds(link: Link, pose: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -19,7 +19,13 @@ def relative_poses(
         second: name of the link.
         positions: coordinates, (k, n).
     """
-    poses = chain.poses(positions)
+    return placed_beside(chain, first, second, chain.poses(positions))
+
+
+def placed_beside(
+    chain: Chain, first: str | None, second: str, poses: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The same as :func:`relative_poses`, where joints have poses (k, m + 1, 3, 4), world."""
     turns, origins = _placed(chain, second, poses)
     if first is None:
         return turns, origins

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -34,6 +35,7 @@ from abi.robot.bodies import finer_links
 from abi.robot.bodies.allowed_contacts import tree_reason
 from abi.robot.bodies.always_touching import with_held
 from abi.robot.bodies.floor_contacts import floor_notes
+from abi.robot.bodies.held_links import held_notes
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
@@ -497,6 +499,22 @@ def test_a_joint_is_said_to_bring_a_link_no_nearer_only_where_it_keeps_heights(
     (note,) = floor_notes(Chain.of(robot, "b"), ["b"], 0.5)
     assert note.endswith("as it touches the floor in every pose.") == level
     assert note.endswith("p brings it no nearer.") != level
+
+
+def test_what_held_links_touch_is_kept_in_one_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    held = [joint(f"h{name}", "a", name, axis=f"0 {k} 1") for k, name in enumerate("bcdefg")]
+    parts = [*map(link, "abcdefgt"), *held, joint("p", "a", "t")]
+    text = urdf(*parts).replace("<collision>", '<collision><origin xyz="0.3 0 0"/>')
+    chain = Chain.of(robot_from_archive(packed({"a.urdf": text})), "t")
+    for _ in range(2):
+        notes = held_notes(chain, -9.0)
+        assert len(notes) == 7
+        assert notes[-1] == "So it is with 9 more."  # of the 15 pairs that the joints turn apart
+        held_notes.cache_clear()
+    assert len([*(tmp_path / "abi-visualiser" / "bodies").iterdir()]) == 1
 
 
 @pytest.mark.parametrize(
