@@ -506,8 +506,11 @@ def test_what_held_links_touch_is_kept_in_one_file(
 ) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     held = [joint(f"h{name}", "a", name, axis=f"0 {k} 1") for k, name in enumerate("bcdefg")]
-    parts = [*map(link, "abcdefgt"), *held, joint("p", "a", "t")]
-    text = urdf(*parts).replace("<collision>", '<collision><origin xyz="0.3 0 0"/>')
+    parts = [  # side by side, a little apart from each other
+        link(name).replace("<collision>", f'<collision><origin xyz="0.3{k} 0 0"/>')
+        for k, name in enumerate("abcdefgt")
+    ]
+    text = urdf(*parts, *held, joint("p", "a", "t"))
     chain = Chain.of(robot_from_archive(packed({"a.urdf": text})), "t")
     for _ in range(2):
         notes = held_notes(chain, -9.0)
