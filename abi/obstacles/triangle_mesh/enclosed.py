@@ -42,6 +42,8 @@ _MOST_TRIANGLES = 125_000
 seconds. Groups that are more bound no solid: a hollow at a few triangles would not be seen."""
 _BESIDE = 1e-8
 """Distance from a triangle at which it is asked what is there, over the size of all."""
+_AWAY = 3e-6
+"""The same, beyond slivers of triangles that should lie on each other."""
 _SPOTS = np.array([[1, 1, 1], [28, 1, 1], [1, 28, 1], [1, 1, 28]])
 """Places in a triangle beside which points are looked at: its middle, and near its corners."""
 _DIRECTIONS = np.array([[0.283, 0.531, 0.799], [-0.617, 0.709, 0.341]])
@@ -80,6 +82,8 @@ def with_enclosed(vertices: FloatArray, shells: Shells, given: IntArray) -> Shel
         asked += len(rows)
         cells = _Cells(vertices, faces[rows], winding[rows])
         are_wound, most = cells.are_wound(in_file[:, rows])
+        if not are_wound:
+            are_wound, _ = replace(cells, beside=_AWAY).are_wound(in_file[:, rows])
         if are_wound and most <= 1:
             continue
         cycles, loose = cells.cycles()
@@ -165,11 +169,13 @@ class _Cells:
         vertices: (n, 3).
         faces: (m, 3), each once, from any side.
         winding: (m,) how often solids have each from its front, less from behind.
+        beside: distance of points from triangles, over the size of all.
     """
 
     vertices: FloatArray
     faces: IntArray
     winding: IntArray
+    beside: float = _BESIDE
 
     @cached_property
     def oriented(self) -> IntArray:
@@ -234,7 +240,7 @@ class _Cells:
         spot = np.concatenate([np.zeros(len(largest), np.int64), spot])
         weights = (_SPOTS / _SPOTS.sum(axis=1, keepdims=True))[spot]
         middles = np.einsum("ij,ijk->ik", weights, corners[face])
-        away = _BESIDE * np.ptp(corners, axis=(0, 1)).max() * normals[face]
+        away = self.beside * np.ptp(corners, axis=(0, 1)).max() * normals[face]
         return np.concatenate([middles + away, middles - away]), face
 
     @cached_property
