@@ -154,11 +154,10 @@ class ChainBranch:
         if not touching_configurations.compiled:  # a tree would take longer than it saves
             alone = self._around._replace(outer=read_only(np.array([row], dtype=np.int32)))
             return touching(self.arm, self.configurations.coordinates, alone, -1.0, reached)
-        found = np.zeros(len(reached), dtype=np.bool_)
-        obstacle = self._around, row
+        found, known = np.zeros(len(reached), dtype=np.bool_), self.configurations
         touching_configurations(
-            *(self.arm.chain.table, self.arm.bodies, self.configurations.tree, obstacle),
-            *(-1.0, reached, found),
+            *(self.arm.chain.table, self.arm.bodies, known.coordinates, known.tree),
+            *((self._around, row), -1.0, reached, found),
         )
         return found
 

@@ -9,7 +9,6 @@ what is clear of the boxes is clear of the arm at each of the configurations.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -34,6 +33,7 @@ from abi.robot.bodies.capsule_table import BODIES, Bodies
 from abi.robot.bodies.hull_kernels import APART, between_hulls
 from abi.robot.kinematics.chain_kernels import POSE, TABLE, ChainTable
 from abi.robot.kinematics.follow_path_kernels import reach_point, room_of
+from abi.tet_mesh.node_tree import NO_NODES, NodeTree
 
 _MOST_ITERATIONS = 15
 _TRIES = 3
@@ -199,41 +199,31 @@ _BOX = 6
 """Numbers of a box: its low and its high corner."""
 
 
-class ConfigurationTree(NamedTuple):
-    """Configurations of a chain with n coordinates, in a tree over their places.
+BoxedTree = tuple[NodeTree, FloatArray]
+"""A tree over the places of configurations, and boxes around the segment of each of c capsules at
+the configurations of each of its m branches, low corners above high ones where there is none, flat
+(6 c m,), [unit], world."""
 
-    Attributes:
-        configurations: coordinates at the k places, flat (k n,).
-        order: places in the tree's order (k,).
-        leaves: first place of each leaf in that order, as in :class:`abi.tet_mesh.node_tree`.
-        boxes: around the segment of each of c capsules at the configurations of each of m branches,
-            low corners above high ones where there is none, flat (6 c m,), [unit], world.
-    """
-
-    configurations: FloatArray
-    order: IntArray
-    leaves: IntArray
-    boxes: FloatArray
+NO_BOXES = NO_NODES, FLOATS
+"""A tree of nothing: for configurations that are asked one by one, and for the compiler."""
 
 
-NO_CONFIGURATIONS = ConfigurationTree(FLOATS, IDS, IDS, FLOATS)
-"""Example for the compiler."""
-
-
-@compiled(example=(TABLE, BODIES, NO_CONFIGURATIONS, FLAGS, NEW_FLOATS))
+@compiled(example=(TABLE, BODIES, FLOATS, NO_NODES, FLAGS, NEW_FLOATS))
 def bound_configurations(
     chain: ChainTable,
     bodies: Bodies,
-    tree: ConfigurationTree,
+    configurations: FloatArray,
+    tree: NodeTree,
     reached: BoolArray,
     boxes: FloatArray,
 ) -> None:
-    """Write the boxes of a tree.
+    """Write the boxes of a tree, see :data:`BoxedTree`.
 
     Args:
-        chain: the chain.
+        chain: the chain, with n coordinates.
         bodies: its capsules.
-        tree: the configurations, without boxes.
+        configurations: coordinates at the k places, flat (k n,).
+        tree: over the places.
         reached: places that count, (k,).
         boxes: those around nothing at first; written.
     """
@@ -246,7 +236,7 @@ def bound_configurations(
             node, at = tree.order[i], size * (inner + leaf)
             if not reached[node]:
                 continue
-            place_bodies(chain, bodies, tree.configurations, node * count, poses, ends)
+            place_bodies(chain, bodies, configurations, node * count, poses, ends)
             for k in range(size):
                 low = at + k - (3 if k % _BOX >= 3 else 0)
                 boxes[low] = min(boxes[low], ends[k])
@@ -269,16 +259,12 @@ def _comes_near(bodies: Bodies, boxes: FloatArray, at: int, around: Obstacles, s
     return False
 
 
-def one_by_one(configurations: FloatArray) -> ConfigurationTree:
-    """Configurations, flat (k n,), without a tree: each is checked by itself."""
-    return NO_CONFIGURATIONS._replace(configurations=configurations)
-
-
-@compiled(example=(TABLE, BODIES, NO_CONFIGURATIONS, (NO_OBSTACLES, 0), 0.0, FLAGS, NEW_FLAGS))
+@compiled(example=(TABLE, BODIES, FLOATS, NO_BOXES, (NO_OBSTACLES, 0), 0.0, FLAGS, NEW_FLAGS))
 def touching_configurations(
     chain: ChainTable,
     bodies: Bodies,
-    tree: ConfigurationTree,
+    configurations: FloatArray,
+    tree: BoxedTree,
     obstacle: tuple[Obstacles, int],
     slack: float,
     asked: BoolArray,
@@ -287,15 +273,16 @@ def touching_configurations(
     """Mark the places at whose configuration a capsule is too near to something, or to another.
 
     Args:
-        chain: the chain.
+        chain: the chain, with n coordinates.
         bodies: its capsules.
-        tree: the configurations; :func:`one_by_one` where the row is -1.
+        configurations: coordinates at the k places, flat (k n,).
+        tree: over the places; :data:`NO_BOXES` where the row is -1 and each is checked by itself.
         obstacle: what to keep clear of, and the row with all that is asked about; -1 for all rows.
         slack: distance that capsules keep from each other, [unit]; below 0 they are not looked at.
         asked: places to look at, of those that count in the tree, (k,).
         touching: (k,), False at first; written.
     """
-    around, root = obstacle
+    (around, root), (nodes, boxes) = obstacle, tree
     size = _BOX * len(bodies.frames)
     poses = numbers(POSE * (len(chain.source) + 1))
     own = poses, numbers(size), zeros(DEPTH)
@@ -304,19 +291,19 @@ def touching_configurations(
         every = around, asked_rows(around, len(bodies.frames)), slack
         for node in range(len(asked)):
             if asked[node]:
-                touching[node] = _touches(chain, bodies, tree.configurations, node, every, room)
+                touching[node] = _touches(chain, bodies, configurations, node, every, room)
         work.clear()
-    inner, this = len(tree.leaves) - 2, (around, [root], slack)
+    inner, this = len(nodes.leaves) - 2, (around, [root], slack)
     while len(work) > 0:
         branch = work.pop()
-        if not _comes_near(bodies, tree.boxes, size * branch, around, root):
+        if not _comes_near(bodies, boxes, size * branch, around, root):
             continue
         if branch < inner:
             work.append(2 * branch + 1)
             work.append(2 * branch + 2)
             continue
-        for i in range(tree.leaves[branch - inner], tree.leaves[branch - inner + 1]):
-            node = tree.order[i]
+        for i in range(nodes.leaves[branch - inner], nodes.leaves[branch - inner + 1]):
+            node = nodes.order[i]
             if asked[node]:
-                touching[node] = _touches(chain, bodies, tree.configurations, node, this, room)
+                touching[node] = _touches(chain, bodies, configurations, node, this, room)
     held(own)

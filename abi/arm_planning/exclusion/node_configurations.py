@@ -10,7 +10,7 @@ import scipy
 
 from abi import arguments
 from abi.arm_planning.exclusion.node_configuration_kernels import (
-    ConfigurationTree,
+    BoxedTree,
     bound_configurations,
     spread,
 )
@@ -73,15 +73,14 @@ class NodeConfigurations:
         return flat(self.positions / self.arm.scales)
 
     @cached_property
-    def tree(self) -> ConfigurationTree:
-        """The configurations in a tree: of each capsule about 16 bytes a node."""
+    def tree(self) -> BoxedTree:
+        """The mesh's nodes in a tree, and boxes: of each capsule about 16 bytes a node."""
         nodes, bodies = self.mesh.node_tree, self.arm.bodies
         boxes = np.tile(np.repeat([np.inf, -np.inf], 3), len(nodes.balls) // 4 * len(bodies.radii))
-        tree = ConfigurationTree(
-            self.coordinates, nodes.order, nodes.leaves, read_only(np.zeros(0))
+        bound_configurations(
+            self.arm.chain.table, bodies, self.coordinates, nodes, self.reached, boxes
         )
-        bound_configurations(self.arm.chain.table, bodies, tree, self.reached, boxes)
-        return tree._replace(boxes=read_only(boxes))
+        return nodes, read_only(boxes)
 
     @cached_property
     def _nodes(self) -> IntArray:

@@ -13,7 +13,7 @@ import numpy as np
 from abi import arguments, progress
 from abi.arm_planning.certificates.separate_chain_kernels import place_bodies
 from abi.arm_planning.exclusion.node_configuration_kernels import (
-    one_by_one,
+    NO_BOXES,
     touching_configurations,
 )
 from abi.arm_planning.world.collision_world_kernels import Obstacles
@@ -58,7 +58,7 @@ def touching(
             clear, found[some] = _plainly(table, bodies, every[some], around, slack)
             open_[some] = ~clear & ~found[some]
     touching_configurations(
-        *(arm.chain.table, arm.bodies, one_by_one(configurations), (around, -1)),
+        *(arm.chain.table, arm.bodies, configurations, NO_BOXES, (around, -1)),
         *(slack, open_, found),
     )
     return found

@@ -11,8 +11,8 @@ import pytest
 
 from abi.arm_planning.branch.chain_branch import ChainBranch
 from abi.arm_planning.exclusion.node_configuration_kernels import (
+    NO_BOXES,
     bound_configurations,
-    one_by_one,
     touching_configurations,
 )
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
@@ -97,8 +97,9 @@ def test_stances_are_decided_as_one_by_one(name: str, wide: float) -> None:
         alone = collision_world.only(collision_world.numbers == number).beyond(
             branch.clearance + branch.slack
         )
-        every = one_by_one(coordinates)
-        touching_configurations(table, bodies, every, (alone, -1), -1.0, asked, expected)
+        touching_configurations(
+            *(table, bodies, coordinates, NO_BOXES, (alone, -1), -1.0, asked, expected)
+        )
         found = branch.touching(mesh.points, number, asked)
         np.testing.assert_array_equal(found, expected, strict=True)
         with _taken_for_python(touching_configurations):
@@ -115,8 +116,8 @@ def test_boxes_hold_the_capsules_of_all_their_stances() -> None:
     bound_configurations.compile()
     arm, random = some_arm("ur5e"), np.random.default_rng(0)
     configurations = some_stances(arm, random, 0.5)
-    tree, inner = configurations.tree, len(configurations.tree.leaves) - 2
-    boxes = tree.boxes.reshape(-1, len(arm.capsules), 2, 3)
+    tree, packed = configurations.tree
+    inner, boxes = len(tree.leaves) - 2, packed.reshape(-1, len(arm.capsules), 2, 3)
     ends = arm.place(configurations.positions)
     for branch in range(len(boxes)):
         first = last = branch
