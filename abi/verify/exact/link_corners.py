@@ -1,9 +1,10 @@
 """Check that a certificate's capsules contain the corners of a robot's links, and points of them.
 
 So none stands where its joints do not take it, and none leaves a part of a link out. Triangles and
-boxes whose corners are all in one piece, which is convex, are in it. On what is in several, points
-are spread at random, others each time, and, but for meshes, inside. They are compared in floating
-point: what is off by less than a millionth passes.
+boxes whose corners are all in one piece, which is convex, are in it. Other triangles are cut until
+they are, or small. On what is in several pieces then, points are spread at random, others each
+time, and, but for meshes, inside. They are compared in floating point: what is off by less than a
+millionth passes.
 """
 
 from __future__ import annotations
@@ -31,10 +32,12 @@ _THIN = 1e-7
 """Depth of a hull's middle, over its largest coordinate, below which it counts as flat."""
 _FAR = 1e9
 """Largest coordinate of a piece, over the accepted distance: rounding is far less then."""
-_POINTS, _ON_EACH = 600, 3
-"""Number of random points of a shape, and of others on each triangle that no piece holds."""
 _AT_ONCE = 100_000
 """Pairs of a point and a facet that are compared at a time, some 50 MB."""
+_POINTS = 600
+"""Number of random points of each shape."""
+_FINEST, _MOST_CUTS = 2.0**-7, 4000
+"""Sides of triangles that are cut, over the size of their shape, and their number, at most."""
 _Hull = tuple[FloatArray, float, scipy.spatial.ConvexHull | None]
 """Points (n, 3), the distance from their hull that belongs to it, and its facets; None if flat."""
 _AROUND = np.linspace(0, 2 * np.pi, 16, endpoint=False)
@@ -65,9 +68,16 @@ def check_corners(
         pieces = [[_facets(hull, allowed) for hull in one] for one in bodies[name]]
         held = _holding(corners, pieces)
         ends = np.cumsum([len(one) for one in parts])[:-1]
-        of_shapes = zip(link.shapes, np.split(held, ends), strict=True)
-        own = np.concatenate([_spread(shape, random, one) for shape, one in of_shapes])
-        points = _holding(units * own @ turn.T + origin, pieces)
+        more = [np.zeros((0, 3))]
+        for shape, own, inside in zip(
+            link.shapes, np.split(corners, ends), np.split(held, ends), strict=True
+        ):
+            if shape.kind == "mesh":
+                faces = np.unique(shape.faces, return_inverse=True)[1].reshape(-1, 3)
+                more.append(_parted(own[faces], inside[faces], pieces, random))
+            elif shape.kind != "box" or not inside.all(axis=0).any():
+                more.append(units * _spread(shape, random) @ turn.T + origin)
+        points = _holding(np.concatenate(more), pieces)
         if not (held.any(axis=1).all() and points.any(axis=1).all()):
             raise Fault(f"the capsules of {name} are not where its joints take it")
 
@@ -112,6 +122,9 @@ def _holding(points: FloatArray, pieces: Sequence[Sequence[_Hull]]) -> BoolArray
     held = np.ones((len(points), len(pieces)), dtype=np.bool_)
     for inside, one in zip(held.T, pieces, strict=True):
         for hull in one:
+            corners, room, _ = hull
+            low, high = corners.min(axis=0) - room, corners.max(axis=0) + room
+            inside &= ((points >= low) & (points <= high)).all(axis=1)
             inside[inside] = _in_hull(points[inside], hull)
     return held
 
@@ -196,25 +209,54 @@ def _corners(shape: LinkShape) -> FloatArray:
     return _in_link(points, shape)
 
 
-def _spread(shape: LinkShape, random: np.random.Generator, held: BoolArray) -> FloatArray:
-    """Random points (n, 3) of what of a shape no piece holds by itself, in its link's frame, [m].
+def _parted(
+    triangles: FloatArray,
+    inside: BoolArray,
+    pieces: Sequence[Sequence[_Hull]],
+    random: np.random.Generator,
+) -> FloatArray:
+    """Random points (n, 3) of what of triangles no piece holds by itself.
 
-    Half of those of solids are on their surface; ``held`` (k, p) are the shape's corners in pieces.
+    Triangles are cut across their longest side, long ones first. Points of a cut that are in no
+    piece are all there is.
+
+    Args:
+        triangles: corners, (k, 3, 3).
+        inside: which corner is in which of p pieces, (k, 3, p).
+        pieces: the pieces.
+        random: where points are.
     """
-    if shape.kind == "mesh":
-        _, faces = np.unique(shape.faces, return_inverse=True)
-        whole = np.all(held[faces.reshape(-1, 3)], axis=1)
-        parted = np.flatnonzero(~np.any(whole, axis=1))
-        triangles = shape.vertices[shape.faces[parted]]
-        areas = np.linalg.norm(np.cross(*np.diff(triangles, axis=1).swapaxes(0, 1)), axis=1)
-        chosen = np.repeat(np.arange(len(areas)), _ON_EACH)
-        if areas.sum() > 0:
-            more = random.choice(len(areas), _POINTS, p=areas / areas.sum())
-            chosen = np.concatenate([chosen, more])
-        weights = random.dirichlet(np.ones(3), len(chosen))
-        return _in_link(np.einsum("nc,nci->ni", weights, triangles[chosen]), shape)
-    if shape.kind == "box" and held.all(axis=0).any():
+    finest, left = _FINEST * float(np.ptp(triangles.reshape(-1, 3), axis=0).max()), _MOST_CUTS
+    while True:
+        parted = ~np.any(np.all(inside, axis=1), axis=1)
+        triangles, inside = triangles[parted], inside[parted]
+        sides = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2)
+        long = sides.max(axis=1) > max(finest, sides.max(initial=0.0) / 2)
+        left -= int(long.sum())
+        if not long.any() or left < 0:
+            break
+        order = (sides[long].argmax(axis=1)[:, None] + np.arange(3)) % 3
+        rows = np.flatnonzero(long)[:, None]
+        (a, b, c), known = triangles[rows, order].swapaxes(0, 1), inside[rows, order]
+        middles = a + random.uniform(0.3, 0.7, (len(a), 1)) * (b - a)
+        held = _holding(middles, pieces)
+        if not held.any(axis=1).all():
+            return np.asarray(middles)
+        halves = np.stack([a, middles, c], axis=1), np.stack([middles, b, c], axis=1)
+        first, second = known.copy(), known.copy()
+        first[:, 1] = second[:, 0] = held
+        triangles = np.concatenate([triangles[~long], *halves])
+        inside = np.concatenate([inside[~long], first, second])
+    areas = np.linalg.norm(np.cross(*np.diff(triangles, axis=1).swapaxes(0, 1)), axis=1)
+    if not areas.sum() > 0:
         return np.zeros((0, 3))
+    chosen = random.choice(len(areas), _POINTS, p=areas / areas.sum())
+    weights = random.dirichlet(np.ones(3), _POINTS)
+    return np.asarray(np.einsum("nc,nci->ni", weights, triangles[chosen]))
+
+
+def _spread(shape: LinkShape, random: np.random.Generator) -> FloatArray:
+    """Random points (n, 3) of a solid in its link's frame, [m], half of them on its surface."""
     a, b, c = shape.size
     points = random.uniform(-1.0, 1.0, (_POINTS, 3))
     across, along = np.hypot(points[:, 0], points[:, 1]), np.abs(points[:, 2])

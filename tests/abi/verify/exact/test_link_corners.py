@@ -87,13 +87,19 @@ def test_a_mast_beside_a_wide_plate_is_held_all_along() -> None:
     corners = np.concatenate([one.vertices for one in parts])
     content = stl((corners, np.concatenate([parts[0].faces, parts[1].faces + 8])))
     robot = robot_from_archive(packed({"r.urdf": arm((BOX, mesh)), "a.stl": content}))
-    flat, high = (
-        around(_in_link(one.vertices, robot.links["a"].shapes[-1]), 1e-3) for one in parts
-    )
-    check(robot, [flat, high])
-    ends = [around(np.array([point], dtype=np.float64), 3e-3) for point in high[0].points]
-    with pytest.raises(Fault, match="the capsules of a are not"):
-        check(robot, [flat, *ends])
+    shape, (flat, high) = robot.links["a"].shapes[-1], (np.array(one.vertices) for one in parts)
+
+    def piece(points: FloatArray, axis: int, low: float, high: float) -> LinkPiece:
+        limits = np.full((2, 3), [[-9.0], [9.0]])
+        limits[:, axis] = low, high
+        return around(_in_link(np.clip(points, *limits), shape), 1e-3)
+
+    plates = [[piece(flat, 0, -9, 9)], [piece(flat, 0, -9, 0.1), piece(flat, 0, -0.1, 9)]]
+    for whole in plates:
+        check(robot, [*whole, piece(high, 2, -9, 9)])
+        check(robot, [*whole, piece(high, 2, -9, 0.5), piece(high, 2, 0.4, 9)])
+        with pytest.raises(Fault, match="the capsules of a are not"):
+            check(robot, [*whole, piece(high, 2, -9, 0.5), piece(high, 2, 0.53, 9)])
 
 
 @pytest.mark.parametrize("name", ["box", "cylinder", "mesh"])
