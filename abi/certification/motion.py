@@ -39,6 +39,7 @@ class RobotState(NamedTuple):
             no scene says so.
         rests: whether joints that are not named rest nearest to 0.
         tip: name of the link of its scene's tool, which holds that object; None for the usual one.
+        obstacles: how many its scene has; 0 if it is of none.
     """
 
     joints: Mapping[str, float]
@@ -48,6 +49,7 @@ class RobotState(NamedTuple):
     attached: tuple[str, Mapping[str, Any]] | None = None
     rests: bool = False
     tip: str | None = None
+    obstacles: int = 0
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -321,7 +321,7 @@ def _state_of_scene(scene: dict[str, Any], slides: Sequence[str]) -> RobotState:
     numbers = [*base, *wxyz] if isinstance(base, list) and isinstance(wxyz, list) else []
     fields = "gripper", "base_link", "attached", "tip"
     held, root, attached, tip = (arm.get(name) for name in fields)
-    held = {} if held is None else held
+    held, obstacles = {} if held is None else held, scene.get("obstacles")
     if not (
         _is_pose(numbers)
         and isinstance(held, dict)
@@ -343,6 +343,7 @@ def _state_of_scene(scene: dict[str, Any], slides: Sequence[str]) -> RobotState:
         attached=None if attached is None else (unit, attached),
         rests=True,
         tip=tip,
+        obstacles=len(obstacles) if isinstance(obstacles, list) else 0,
     )
 
 

@@ -122,6 +122,9 @@ def check_state(motion: Motion, chain: Chain, scene: Scene) -> list[str]:
             f"The file's robot stands on its link {root}, and here on {chain.robot.root}.",
             "Say so as arm.base_link of the scene.",
         )
+    if state.obstacles and not scene.obstacles:
+        count = f"{state.obstacles} obstacle{'s' * (state.obstacles > 1)}"
+        notes.append(f"The file's scene has {count}, and none is compared here: give that scene.")
     if state.objects:
         told, other = _held_otherwise(state.objects, scene)
         notes += told

@@ -124,7 +124,8 @@ class MeshLookup:
         folders = {name: other_folder(name, file) for name, file in self._guessed.items()}
         counts = Counter((package_of(name), found) for name, found in folders.items() if found)
         others = (
-            f"Package {package} is not there: {counted(n, 'mesh', 'meshes')} taken from {found}."
+            f"{f'Package {package}' if package else 'What the URDF names beside it'} is not there: "
+            f"{counted(n, 'mesh', 'meshes')} taken from {found}."
             for (package, found), n in counts.items()
         )
         single = (f"Taken for {k}: {file}." for k, file in self._guessed.items() if not folders[k])
@@ -183,7 +184,8 @@ class MeshLookup:
                 expected += f"; of that name there are {', '.join(sorted(files)[:2])}"
             raise SceneError("arm.urdf mesh", name, expected)
         (file,) = files
-        if count < length(name) or not file.endswith(PurePosixPath(name).name):
+        exactly = count == length(name) and file.endswith(PurePosixPath(name).name)
+        if package_of(name) is None or not exactly:
             self._guessed[name] = file
         return file
 

@@ -90,14 +90,16 @@ def guesses(folder: PurePosixPath, name: str) -> tuple[str, ...]:
 
 
 def other_folder(name: str, file: str) -> str | None:
-    """Folder that a file was taken from instead of its package's; None if more than that differs.
+    """Folder that a file was taken from instead of its package's, or the URDF's; None otherwise.
 
     Args:
         name: of the mesh, as :func:`reference` gives it.
         file: that was taken.
     """
     rest = name.removeprefix(PACKAGE).partition("/")[2]
-    if package_of(name) is None or not f"/{file}".endswith(f"/{rest}"):
+    if package_of(name) is None:
+        rest = "/".join(part for part in PurePosixPath(name).parts if part != "..")
+    if not f"/{file}".endswith(f"/{rest}"):
         return None
     return file.removesuffix(rest) or "./"
 

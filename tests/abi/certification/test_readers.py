@@ -552,6 +552,7 @@ def test_a_plan_is_certified_only_where_its_robot_stands_and_holds_the_same(
     own = {"model": "urdf", "urdf": "r.urdf", "tip": "c", "base": [0, 0, 0]}
     room = {"min": [-300] * 3, "max": [300] * 3}
     data = {"version": 1, "unit": "cm", "workspace": room, "mesh": {"pitch": 60}}
+    data["obstacles"] = [{"shape": "sphere", "radius": 1.0, "position": [200, 0, 0]}]
     scenes = [
         Scene.from_dict({**data, "start": [0, 0, 1], "goal": [0, 0, 1], "arm": one}, tmp_path)
         for one in (own, {**own, **changed})
@@ -571,6 +572,9 @@ def test_a_plan_is_certified_only_where_its_robot_stands_and_holds_the_same(
     if why is None or " by " in why:
         told = " ".join(robot_motion(motion, scenes[0]).notes)
         assert ("as it is here" in told and why in told) if why else "as it is here" not in told
+        assert "none is compared" not in told
+        alone = robot_motion(motion, scenes[0].replace(obstacles=[]))
+        assert any("has 1 obstacle, and none is compared" in one for one in alone.notes)
     else:
         with pytest.raises(AbiError, match=why):
             robot_motion(motion, scenes[0])

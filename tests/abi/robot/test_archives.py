@@ -69,6 +69,7 @@ LAYOUTS: Mapping[str, tuple[str, str, str]] = {
 OTHER_FOLDERS: Mapping[str, tuple[str, ...]] = {
     "renamed package": ("Package pkg is not there: 1 mesh is taken from pkg-2.1/.",),
     "without its folder": ("Package pkg is not there: 1 mesh is taken from ./.",),
+    "from the top": ("What the URDF names beside it is not there: 1 mesh is taken from pkg/.",),
 }
 DECOYS = ("pkg/meshes/visual/a.stl", "b/a.stl", "pkg/urdf/other/a.stl")
 
