@@ -6,7 +6,6 @@
     ├── ArgumentError     a function was called with what it does not take
     │   └── SceneError    the input is not a scene: names the field, the value and what would work
     └── StageError        the scene is valid but a stage has no result; ends the chain of stages
-        ├── NoPath        no path joins start and goal on this mesh; holds the nodes reached
         └── those of the arm, in ``arm_planning/arm_errors.py``
 
 Where sentences about a plan are chosen and put together for the page is ``explain``.
@@ -92,7 +91,13 @@ class StageError(AbiError):
         hint: one sentence on what to try.
         obstacle: index of the obstacle that is in the way, from 0, or the name of what else is;
             None if it is no single one.
+
+    Attributes:
+        reached: of :func:`no_path` ids of the nodes that the start can reach, shape (k,); else
+            none.
     """
+
+    reached: IntArray = read_only(np.zeros(0, dtype=np.int32))
 
     def __init__(
         self, stage: str, kind: str, message: str, hint: str, obstacle: int | str | None = None
@@ -134,7 +139,11 @@ class StageError(AbiError):
         return copy
 
 
-class NoPath(StageError):
+NO_PATH = "no_path"
+"""Kind of :func:`no_path`."""
+
+
+def no_path(reached: IntArray, total: int, pitch: float) -> StageError:
     """Error if no free edges join start and goal.
 
     Args:
@@ -142,18 +151,16 @@ class NoPath(StageError):
         total: number of nodes that are not excluded, start and goal included.
         pitch: pitch of the mesh, [unit].
     """
-
-    def __init__(self, reached: IntArray, total: int, pitch: float) -> None:
-        super().__init__(
-            "search",
-            "no_path",
-            f"No path: the start reaches {len(reached):,} of the graph's {total:,} nodes, and the "
-            "goal is not among them.",
-            "Move an obstacle out of the way, lower the clearance, or put nodes nearer than "
-            f"{format_length(pitch)} to each other if there is a gap.",
-        )
-        self.reached = read_only(np.array(reached))
-        self.total = total
+    error = StageError(
+        "search",
+        NO_PATH,
+        f"No path: the start reaches {len(reached):,} of the graph's {total:,} nodes, and the "
+        "goal is not among them.",
+        "Move an obstacle out of the way, lower the clearance, or put nodes nearer than "
+        f"{format_length(pitch)} to each other if there is a gap.",
+    )
+    error.reached = read_only(np.array(reached))
+    return error
 
 
 BLOCKED = ("start_blocked", "goal_blocked")

@@ -15,8 +15,8 @@ from abi.curves.bspline import BSpline
 from abi.curves.fit import Fit
 from abi.errors import (
     BLOCKED,
+    NO_PATH,
     NOT_HELD,
-    NoPath,
     format_length,
     format_point,
     in_unit,
@@ -92,7 +92,7 @@ def _reason(scene: Scene, plan: Plan, what_if: WhatIf) -> Reason | None:
     kind = "" if plan.error is None else plan.error.kind
     if kind in BLOCKED:
         return _blocked(scene, plan, what_if)
-    if isinstance(plan.error, NoPath) and plan.graph is not None:
+    if kind == NO_PATH and plan.graph is not None:
         return _disconnected(scene, plan, plan.graph, what_if)
     if kind == NOT_HELD and plan.bspline is not None:
         return _not_held(scene, plan.bspline, what_if)

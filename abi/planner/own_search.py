@@ -13,7 +13,7 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import IntArray, read_only
-from abi.errors import ArgumentError, NoPath
+from abi.errors import ArgumentError, no_path
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene
@@ -76,7 +76,7 @@ def _searched(own: OwnSearch, graph: Graph, weight: Weight) -> SearchResult:
     both = isinstance(returned, tuple) and len(returned) == 2 and np.ndim(returned[0]) == 1
     path, expanded = returned if both else (returned, returned)
     if path is None or not len(path):
-        raise NoPath(
+        raise no_path(
             _ids("expanded nodes", [graph.start], graph), graph.free_nodes, graph.mesh.pitch
         )
     vertices, order = _ids("path", path, graph), _ids("expanded nodes", expanded, graph)

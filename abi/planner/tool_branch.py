@@ -131,7 +131,7 @@ class ToolBranch(Branch):
         """Stage 3: the shortest path, by the search that the scene chooses.
 
         Raises:
-            NoPath: there is none.
+            StageError: there is none.
         """
         progress.tell("searching")
         chosen = self.problem.scene.search

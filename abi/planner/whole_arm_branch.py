@@ -22,7 +22,7 @@ from abi.curves.bspline import BSpline
 from abi.curves.clearance.certificate import Refutation
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
-from abi.errors import NoPath
+from abi.errors import StageError
 from abi.planner.branch import Branch
 from abi.planner.plan import Plan
 from abi.planner.planning_problem import PlanningProblem, sample_count
@@ -94,7 +94,7 @@ class WholeArmBranch(Branch):
         """
         try:
             return self._search(graph).cost
-        except NoPath:
+        except StageError:
             raise self._not_clear("path") from None
 
     def shortest(self, graph: Graph) -> tuple[Graph, SearchResult, float]:
@@ -105,7 +105,7 @@ class WholeArmBranch(Branch):
         """
         try:
             found = search_clear(graph, self.arm_branch, self._search)
-        except NoPath:
+        except StageError:
             found = None
         if found is None:
             raise self._not_clear("path")

@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
-from abi.errors import NoPath
+from abi.errors import no_path
 from abi.scene.settings import Algorithm
 from abi.search.best_first_kernels import best_first
 from abi.search.graph import Graph
@@ -90,13 +90,13 @@ class PlannedSearch:
             weight: the cost of a path: ``length`` or ``hops``.
 
         Raises:
-            NoPath: no edges lead from start to goal.
+            StageError: no edges lead from start to goal.
         """
         costs, parents, order, relaxed = self.expand(graph, weight)
         least = float(costs[graph.goal])
         if math.isinf(least):
             reached = np.flatnonzero(np.isfinite(costs)).astype(np.int32)
-            raise NoPath(reached, graph.free_nodes, graph.mesh.pitch)
+            raise no_path(reached, graph.free_nodes, graph.mesh.pitch)
         vertices = read_only(reconstruct_path(parents, graph.goal))
         places, own = graph.mesh.points.reshape(-1), graph.own.reshape(-1)
         points, lengths = places_along(vertices, places, own)
@@ -155,7 +155,7 @@ def search(algorithm: str, graph: Graph, weight: Weight) -> SearchResult:
         weight: the cost of a path: ``length`` or ``hops``.
 
     Raises:
-        NoPath: no edges lead from start to goal.
+        StageError: no edges lead from start to goal.
         ValueError: no search has that name.
     """
     if algorithm not in SEARCHES:

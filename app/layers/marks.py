@@ -7,7 +7,6 @@ import viser
 from numpy.typing import NDArray
 
 from abi.arrays import IntArray
-from abi.errors import NoPath
 from abi.explain.reason import Reason
 from abi.planner.plan import Plan
 from abi.search.search import SearchResult
@@ -74,7 +73,7 @@ def _draw_nodes(
 
 def _reached(plan: Plan) -> IntArray:
     """Nodes that the start reaches where there is no path; none where there is a path."""
-    return plan.error.reached if isinstance(plan.error, NoPath) else np.zeros(0, np.int32)
+    return np.zeros(0, np.int32) if plan.error is None else plan.error.reached
 
 
 def names_others(reason: Reason, plan: Plan) -> bool:

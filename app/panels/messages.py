@@ -11,7 +11,7 @@ from typing import Any
 import viser
 
 from abi.arm_planning.arm_errors import ArmNotClear
-from abi.errors import BLOCKED, NOT_HELD, AbiError, NoPath, StageError
+from abi.errors import BLOCKED, NO_PATH, NOT_HELD, AbiError, StageError
 from abi.explain.reason import Reason
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
@@ -195,7 +195,9 @@ class Messages:
         """Reason why there is no plan, and the buttons of what would help."""
         reason = frame.reason
         explained = error if reason is None else reason
-        dots = "Blue dots: nodes that the start reaches." if isinstance(error, NoPath) else ""
+        dots = ""
+        if isinstance(error, StageError) and error.kind == NO_PATH:
+            dots = "Blue dots: nodes that the start reaches."
         of_arm = isinstance(error, StageError) and error.stage == "arm"
         if of_arm and (size := scene_size_note(frame.plan.scene)) is not None:
             title, numbers = size  # no other base, and no setting, makes it fit
@@ -238,7 +240,7 @@ def _marked(frame: Frame) -> str:
         return ""
     if error is not None and error.kind in BLOCKED:
         return "Magenta: the nearest free point."
-    if isinstance(error, NoPath):
+    if error is not None and error.kind == NO_PATH:
         return "Magenta: the narrowest place." if len(reason.points) == 1 else ""
     # of an arm in the way the sentence says where
     is_of_curve = error is not None and error.kind == NOT_HELD

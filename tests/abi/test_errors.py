@@ -13,17 +13,17 @@ from abi import Scene
 from abi.arm_planning.arm_errors import ArmNotClear, out_of_reach
 from abi.errors import (
     AbiError,
-    NoPath,
     SceneError,
     StageError,
     clearance_not_held,
+    no_path,
     point_blocked,
 )
 
 ERRORS = [
     point_blocked("start", 0, -0.08453, 0.2, np.array([1.23456, 2.0, 3.0])),
     point_blocked("goal", 1, 0.08453, 0.2, None),
-    NoPath(np.arange(3, dtype=np.int32), 1234, 1.299),
+    no_path(np.arange(3, dtype=np.int32), 1234, 1.299),
     clearance_not_held(0.2, -0.08453),
     clearance_not_held(0.2, 0.1234567),
     out_of_reach(0.5, 1.25, 0.7654321, True),
