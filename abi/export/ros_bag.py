@@ -44,7 +44,7 @@ def write(plan: Plan, name: str) -> bytes:
     writer = Writer(file)
     messages = list(_messages(plan))
     message = next(data for topic, _, data in messages if topic == "/joint_trajectory")
-    writer.add_metadata("arm", {"state": message_state(plan, message)[0]})
+    writer.add_metadata("arm", {"state": message_state(plan, message)})
     schemas = {kind: writer.register_msgdef(kind, text) for kind, text in DEFINITIONS.items()}
     for topic, time, data in messages:
         writer.write_message(topic, schemas[_TOPICS[topic]], data, round(time * 1e9))

@@ -30,33 +30,33 @@ _STRAIGHT = (
 def write(plan: Plan, name: str) -> bytes:
     """The message; JSON where ``name`` ends so, else YAML. Lengths in [m].
 
-    YAML says in a comment whether the arm is clear, and what it holds. JSON has no comments: there
-    a motion that is not, passes limits, or holds something, has a field more, so that a program
-    that takes nothing but the message refuses it.
+    YAML says in a comment whether the arm is clear, what it holds, and which limits controllers
+    pass between the points. JSON has no comments: there a motion that is not clear, passes limits
+    itself, or holds something, has a field more, so that a program that takes nothing but the
+    message refuses it.
 
     Raises:
         AbiError: there is no motion that the arm can execute.
     """
     message = trajectory_message(plan)
-    state, beyond = message_state(plan, message)
+    state = message_state(plan, message)
     if name.lower().endswith(".json"):
-        if is_marked(plan) or holding(plan) or beyond:
+        if is_marked(plan) or holding(plan):
             message = {"state": state, **message}
         return (json.dumps(message, indent=1, allow_nan=False) + "\n").encode()
     return f"# {state}\n{yaml_text(message, width=4096)}".encode()
 
 
-def message_state(plan: Plan, message: dict[str, Any]) -> tuple[str, bool]:
-    """Sentences on the motion and its message, and whether controllers pass a limit between points.
+def message_state(plan: Plan, message: dict[str, Any]) -> str:
+    """Sentences on the motion and its message.
 
     Args:
         plan: with the motion.
         message: of :func:`trajectory_message`.
     """
     if not message["points"][0]["velocities"]:
-        return f"{motion_state(plan)} {_STRAIGHT}", False
-    warning = growth_warning(plan)
-    return " ".join(filter(None, [motion_state(plan), warning])), bool(warning)
+        return f"{motion_state(plan)} {_STRAIGHT}"
+    return " ".join(filter(None, [motion_state(plan), growth_warning(plan)]))
 
 
 def trajectory_message(plan: Plan) -> dict[str, Any]:

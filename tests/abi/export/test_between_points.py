@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -181,8 +182,10 @@ def test_limits_of_rates_that_samples_keep_are_kept_or_told_as_controllers_read_
     )
     plan = abi.plan(scene)
     assert not plan.limits_passed
-    text = ros_trajectory.write(plan, "a.ros.json")
-    motion = read_motion("a.ros.json", text, own_joints(scene.arm.robot))
+    message = ros_trajectory.write(plan, "a.ros.json")
+    assert {*json.loads(message)} == {"header", "joint_names", "points"}
+    text = ros_trajectory.write(plan, "a.ros.yaml")
+    motion = read_motion("a.ros.json", message, own_joints(scene.arm.robot))
     passed = joint_limits(robot_motion(motion, scene), 8.0).passed
     assert not [one for one in passed if one.quantity == "speed" and one.value > 1.001 * one.limit]
     told = any(one.quantity == "acceleration" for one in passed)
