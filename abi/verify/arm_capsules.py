@@ -2,11 +2,12 @@
 
 Radii are taken as written; a test, not this check, shows that the capsules contain the links as
 drawn. But no link may be missing, none may be free to touch what it must not, and along the axis of
-each part of the arm there may be no gaps but as much as a seam.
+each part of the arm there may be no gap, but for a seam before the gripper.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
@@ -27,8 +28,12 @@ _BODIES: dict[str, Body] = {
 }
 """Body to which each link is fixed."""
 
-_GAP = Fraction(1, 50)
-"""Accepted gaps between capsules in all, over a length, as drawn joints have a seam."""
+_GAP = Fraction(1, 80)
+"""Accepted gap before the gripper's capsules, over the forearm's length, as drawn ones have one."""
+_SAME = Fraction(1, 10**9)
+"""Gap that counts as none, over a length."""
+_BENT, _ROUNDED = 2.9, 1e-6
+"""Largest angle of the elbow, however slender its links are, and accepted error, [rad]."""
 
 
 def capsules_of(certificate: dict[str, Any], arm: ExactArm) -> list[ExactCapsule]:
@@ -77,9 +82,42 @@ def _capsule(data: dict[str, Any], arm: ExactArm) -> ExactCapsule:
 
 
 def _cover(capsules: Sequence[ExactCapsule], length: Fraction) -> bool:
-    """Check whether capsules cover an axis from 0 to a length, but for a seam in all."""
+    """Check whether capsules cover an axis from 0 to a length, but for the gripper's seam."""
     reached, left = Fraction(0), _GAP * length
-    for first, last in sorted((one.low - one.radius, one.high + one.radius) for one in capsules):
-        left -= max(min(first, length) - reached, Fraction(0))
+    spans = ((one.low - one.radius, one.high + one.radius, one.link) for one in capsules)
+    for first, last, link in sorted(spans):
+        gap = max(min(first, length) - reached, Fraction(0))
+        if link != "gripper" and gap > _SAME * length:
+            return False
+        left -= gap
         reached = max(reached, last)
     return left >= 0 and reached >= length
+
+
+def check_bend(
+    rows: Sequence[Sequence[float]], capsules: Sequence[ExactCapsule], sleeve: Fraction
+) -> None:
+    """Raise where the elbow bends so far that a rod beyond its sleeve may touch the upper arm.
+
+    At an angle over 90 degrees a point of the forearm at s from the elbow is s sin q3 away from the
+    axis of the upper arm.
+
+    Args:
+        rows: joint positions, (m, 6).
+        capsules: all of the arm.
+        sleeve: distance of the sleeve's end from the elbow, [unit].
+
+    Raises:
+        Fault: at a sample it does.
+    """
+    upper = max(one.radius for one in capsules if one.body == "upper_arm")
+    sines = [
+        (upper + one.radius) / max(one.low, sleeve)
+        for one in capsules
+        if one.body in ("forearm", "slide") and (one.high > sleeve or one.link == "forearm")
+    ]
+    most = min(_BENT, math.pi - math.asin(min(1.0, float(max(sines))))) + _ROUNDED
+    if any(abs(row[2]) > most for row in rows):
+        raise Fault(
+            f"its elbow bends by more than {most:.4g} rad, and forearm and upper arm may touch"
+        )

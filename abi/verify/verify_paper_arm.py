@@ -12,7 +12,7 @@ from functools import lru_cache, partial
 from typing import Any
 
 from abi.scene.scene import Scene
-from abi.verify.arm_capsules import capsules_of
+from abi.verify.arm_capsules import capsules_of, check_bend
 from abi.verify.certificate import (
     ARM,
     CapsuleKey,
@@ -89,6 +89,7 @@ def check_paper_arm(
     check_ends(curve, scene)
     check_tool(section, timing, arm, curve, slide)
     capsules = capsules_of(certificate, arm)
+    check_bend(section["positions"], capsules, Fraction(settings.a4))
     planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
     floor = ExactFloor(min(arm.base[2], Fraction(scene.workspace.min[2])))
     span = curve[0].start, curve[-1].end

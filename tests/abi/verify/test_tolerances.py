@@ -106,19 +106,17 @@ def past_limit(part: float) -> bool:
 
 
 def seam(part: float) -> bool:
-    """Whether capsules may leave a gap of parts of a 50th of the column."""
+    """Whether capsules may leave a gap of parts of an 80th of the forearm before the gripper."""
     certificate = copy.deepcopy(_of_paper()["arm"]["certificate"])
-    arm = ExactArm(vector((0, 0, 0)), Fraction(3), Fraction(6), Fraction(11, 2), 1)
-    column = [one for one in certificate["capsules"] if one["body"] == "column"]
-    others = [one for one in certificate["capsules"] if one["body"] != "column"]
-    for one in others:
-        one["low"], one["high"], one["radius"] = 0.0, 6.0, 0.1
+    arm = ExactArm(vector((0, 0, 0)), Fraction(3), Fraction(6), Fraction(8), 1)
+    for one in certificate["capsules"]:
         one["neighbour"] = one["grips"] = False
-    for one in column:
-        one["low"], one["high"], one["radius"] = 0.5, 1.0, 0.5
-    column[-1]["low"], column[-1]["high"] = 2.0 + part * 3 / 50, 3.0
+        whole = one["body"] in ("column", "upper_arm")
+        one["low"], one["high"], one["radius"] = 0.0, 6.0 if whole else 2.0, 0.5
+        if one["link"] == "gripper":
+            one["low"], one["high"] = 3.0 + part / 10, 8.0
     try:
-        capsules_of({"capsules": [*column, *others]}, arm)
+        capsules_of(certificate, arm)
     except Fault:
         return False
     return True

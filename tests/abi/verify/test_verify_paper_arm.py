@@ -23,8 +23,9 @@ from abi.curves.bspline import clamped
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.scene.arm_settings import ArmSettings
-from abi.verify.arm_capsules import capsules_of
+from abi.verify.arm_capsules import capsules_of, check_bend
 from abi.verify.exact.paper_arm import ExactArm
+from abi.verify.fault import Fault
 from abi.verify.verify import verify
 from tests.abi import meshes
 from tests.abi.verify.verdicts import verdict_on
@@ -236,13 +237,17 @@ def test_many_seams_are_a_gap(honest: Data) -> None:
 
 
 @given(st.lists(st.floats(0.05, 20.0), min_size=5, max_size=5))
-def test_capsules_of_every_arm_leave_no_gap(lengths: list[float]) -> None:
+def test_capsules_of_every_arm_leave_no_gap_and_limit_its_elbow(lengths: list[float]) -> None:
     names = ("a1", "a2", "a3", "a4", "a5")
     arm = paper_arm(ArmSettings(**dict(zip(names, lengths, strict=True))), "cm")
     a1, a2, a3, a4, a5 = map(Fraction, lengths)
     exact = ExactArm((Fraction(0),) * 3, a1 + a2, a3, a4 + a5, 1)
     written = json.loads(json.dumps(arm.proof_data()))
-    assert len(capsules_of(written, exact)) == len(arm.capsules)
+    capsules, bend = capsules_of(written, exact), float(arm.limits[2, 1])
+    assert len(capsules) == len(arm.capsules)
+    check_bend([[0.0, 0.0, -bend]], capsules, a4)
+    with pytest.raises(Fault, match="may touch"):
+        check_bend([[0.0, 0.0, bend], [0.0, 0.0, bend + 1e-4]], capsules, a4)
 
 
 @pytest.mark.filterwarnings("error")
