@@ -8,6 +8,7 @@ from abi.arm_planning.motion.arm_clearance import Contact
 from abi.length_text import format_length, format_lower_bound, format_setting
 from abi.planner.plan import Plan
 from abi.robot.bodies.allowed_contacts import Reason
+from abi.robot.urdf.robot import joints_between
 
 _LINKS = {"base_link": "base", "base_link_inertia": "base", "link_base": "base", "rod": "slide"}
 
@@ -27,6 +28,10 @@ _REASONS: dict[Reason, str] = {
     "grasp": "One holds the other, or is fixed to what does",
 }
 """Beginning of a sentence on pairs that are not kept apart, for each reason."""
+
+
+_STILL = "No planned joint moves them beside each other"
+"""The same for links that several joints part, which are held."""
 
 
 def arm_result(plan: Plan) -> str:
@@ -82,11 +87,14 @@ def allowed_sentences(plan: Plan) -> tuple[str, ...]:
     """What of the arm may touch what, one sentence for each reason."""
     if plan.paper_arm is not None and plan.arm_clearance is not None:
         return (UNPAIRED_SENTENCE,)
-    found: dict[Reason, list[str]] = {}
+    found: dict[str, list[str]] = {}
     for link, other, reason in () if plan.arm_clearance is None else plan.arm_clearance.allowed:
         name = f"obstacle {other + 1}" if isinstance(other, int) else link_label(other)
-        found.setdefault(reason, []).append(f"{link_label(link)} and {name}")
-    return tuple(f"{_REASONS[reason]}: {', '.join(pairs)}." for reason, pairs in found.items())
+        words = _REASONS[reason]
+        if reason == "adjacent" and len(joints_between(plan.scene.robot, link, str(other))) > 1:
+            words = _STILL
+        found.setdefault(words, []).append(f"{link_label(link)} and {name}")
+    return tuple(f"{words}: {', '.join(pairs)}." for words, pairs in found.items())
 
 
 def clearance_sentence(plan: Plan) -> str:

@@ -274,12 +274,13 @@ def _check_touching(
 def _with_held(robot: Robot, chain: ExactChain, first: str, second: str) -> ExactChain | None:
     """The chain in which joints that are held between two links move, too; None without any."""
     above = {joint.child: joint for joint in robot.joints}
-    ways: list[set[str]] = [set(), set()]
+    ways: list[dict[str, str]] = [{}, {}]
     for link, way in zip((first, second), ways, strict=True):
         while link in above:
-            way |= {above[link].coordinate} if above[link].kind != "fixed" else set()
+            way |= {link: above[link].coordinate} if above[link].kind != "fixed" else {}
             link = above[link].parent
-    names = ways[0] ^ ways[1]
+    # by joints: what two of them follow in different ways is between, too
+    names = {(ways[0] | ways[1])[child] for child in ways[0].keys() ^ ways[1].keys()}
     if names <= {*chain.coordinates}:
         return None
     free = replace(robot, couplings=())

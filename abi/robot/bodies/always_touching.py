@@ -15,6 +15,7 @@ from abi.robot.bodies.link_solids import link_solids as solids_of
 from abi.robot.bodies.solid_contact import compile_kernels, touch
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.link import Link
+from abi.robot.urdf.robot import joints_between
 
 _POSES, _AT_ENDS = 96, 2
 """Random poses, and those at each end of each coordinate's range."""
@@ -46,16 +47,8 @@ def always_touch(chain: Chain, first: str, second: str) -> bool:
 
 def with_held(chain: Chain, first: str, second: str) -> Chain:
     """A chain, or one in which the joints that it holds between two links move, too."""
-    above = {joint.child: joint for joint in chain.robot.joints}
-    ways: list[set[str]] = []
-    for link in (first, second):
-        way = set()
-        while link in above:
-            if above[link].kind != "fixed":
-                way.add(above[link].coordinate)
-            link = above[link].parent
-        ways.append(way)
-    names = tuple(one for one in sorted(ways[0] ^ ways[1]) if one in chain.held)
+    between = {joint.coordinate for joint in joints_between(chain.robot, first, second)}
+    names = tuple(one for one in sorted(between) if one in chain.held)
     if not names:
         return chain
     free = {joint.name for joint in chain.robot.joints if joint.follows is None}

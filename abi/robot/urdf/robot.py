@@ -169,6 +169,18 @@ def meet(robot: Robot, first: str, second: str) -> bool:
     return False
 
 
+def joints_between(robot: Robot, first: str, second: str) -> tuple[Joint, ...]:
+    """Joints that can move, held ones too, on the way from one link to another."""
+    above = {joint.child: joint for joint in robot.joints}
+    ways: list[dict[str, Joint]] = [{}, {}]
+    for link, way in zip((first, second), ways, strict=True):
+        while link in above:
+            way |= {link: above[link]}
+            link = above[link].parent
+    apart = ways[0].keys() ^ ways[1].keys()
+    return tuple(one for one in robot.joints if one.child in apart and one.kind != "fixed")
+
+
 def bases_to(robot: Robot, tip: str) -> tuple[str, ...]:
     """Links from which 1 to 16 joints move ``tip``, the robot's root first if it is one.
 

@@ -29,6 +29,7 @@ from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import clean
+from abi.planner.arm_words import allowed_sentences
 from abi.planner.planner import Planner, plan
 from abi.robot.bodies import allowed_contacts as allowed_pairs
 from abi.robot.bodies import finer_links
@@ -40,7 +41,7 @@ from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
-from abi.verify.allowed_contacts import are_joined, may_touch_floor, usual_range
+from abi.verify.allowed_contacts import _with_held, are_joined, may_touch_floor, usual_range
 from abi.verify.exact.robot_chain import exact_chain, exact_joints
 from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.plumb_line import is_beneath
@@ -277,6 +278,22 @@ def test_links_that_part_only_at_the_end_of_a_range_overlap_not_always(
     assert not [one for one in arm.allowed if {one.link, one.other} == {"slab", "pin"}]
     passed = replace(arm.chain, limits=arm.chain.limits * 2.0)  # by a motion
     assert with_held(passed, "slab", "pin").limits[0].tolist() == passed.limits[0].tolist()
+
+
+def test_a_held_joint_that_moves_both_links_otherwise_is_between_them() -> None:
+    follows = '<mimic joint="g" multiplier="-1"/>'
+    text = urdf(
+        *map(link, "rst"),
+        '<link name="m"/>',
+        joint("g", "r", "s", "prismatic", "1 0 0"),
+        joint("x", "r", "m", "prismatic", "0 1 0"),
+        joint("f", "m", "t", "prismatic", "1 0 0", follows),
+    )
+    robot = robot_from_archive(packed({"a.urdf": text}))
+    chain, exact = Chain.moved_by(robot, ("x",)), exact_joints(robot, ("x",), (0, 0, 0), 1)
+    assert with_held(chain, "s", "t").names == ("x", "g")
+    assert (wider := _with_held(robot, exact, "s", "t")) is not None
+    assert {*wider.coordinates} == {"x", "g"}
 
 
 @given(low=st.floats(-15, 15), long=st.floats(0.1, 20), factor=st.sampled_from([None, 2.0, 0.5]))
@@ -572,6 +589,13 @@ def test_what_held_joints_put_in_the_floor_a_table_or_the_robot_is_told(
     names = ("lift", "p")[1 - lifted :]
     verdict = certify(None, names, [0.0, 1.0], [[at] * len(names) for at in (0.0, 1.0)], scene)
     found = plan(scene)
+    neighbours, others = (
+        next(one for one in allowed_sentences(found) if one.startswith(begin))
+        for begin in ("Neighbouring", "No planned joint moves them")
+    )
+    assert "torso and lower" in others  # two joints part them, which are held
+    assert "torso and lower" not in neighbours
+    assert "torso and 0" in neighbours
     for data in (verdict.to_dict(), found.to_dict()):
         told = [note for note in data["notes"] if note.endswith("is not compared.")]
         depth = 0.9 * np.sin(1.3) + 0.025 * np.cos(1.3) - 0.5
