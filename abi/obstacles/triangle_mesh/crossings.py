@@ -7,9 +7,10 @@ themselves are in layers in which no box of another overlaps theirs.
 
 from __future__ import annotations
 
-from itertools import count
+import itertools
 
 import numpy as np
+import scipy
 
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows, first_of_distinct_rows
@@ -27,8 +28,10 @@ of shells with more, any may cross itself."""
 _PAIRS_EACH = 20
 """So many for each triangle are compared in any case: more than evenly divided surfaces have."""
 _MOST_NEAR = 2_000_000
-"""Pairs of shells near each other of which layers are made, in some seconds; of more, those that
-may cross themselves are in none."""
+"""Pairs of shells near each other that are looked for; of shells with more, any may be near one."""
+_MOST_CROSSING = 10_000_000
+"""Pairs of shells that may cross themselves, near each other, of which layers are made, in some
+seconds; of more, these are in none."""
 _CROWD = 200
 """Triangles at one corner, as of a fan, from which on these are taken not to lie on each other."""
 _AXES = np.array(
@@ -52,29 +55,34 @@ def layers_of(vertices: FloatArray, faces: IntArray, label: IntArray) -> IntArra
     low, high = np.full((shells, 3), np.inf), np.full((shells, 3), -np.inf)
     np.minimum.at(low, label, corners.min(axis=1))
     np.maximum.at(high, label, corners.max(axis=1))
-    near, are_many = [np.zeros((0, 2), dtype=np.int64)], False
-    for pair in near_boxes((low, high), (low, high)):
-        near.append(np.stack(pair, axis=1)[pair[0] != pair[1]])
-        are_many = sum(map(len, near)) > _MOST_NEAR
-        if are_many:
+    near, count = np.zeros(shells, dtype=np.bool_), 0
+    for one, other in near_boxes((low, high), (low, high)):
+        near[one[one != other]] = True
+        count += len(one)
+        if count > _MOST_NEAR:
+            near[:] = True
             break
-    pairs = np.concatenate(near)
     # where a triangle is there twice, it may wind twice around what is behind
     once = first_of_distinct_rows(np.column_stack([np.sort(faces, axis=1), label]).astype(np.int64))
     may_cross = np.zeros(shells, dtype=np.bool_)
     may_cross[np.delete(label, once)] = True
-    asked = ~may_cross & (are_many | (np.bincount(pairs[:, 0], minlength=shells) > 0))
+    asked = ~may_cross & near
     may_cross[_crossing(vertices, faces[asked[label]], label[asked[label]])] = True
-    if are_many:
-        return -may_cross.astype(np.int32)
-    pairs = pairs[np.argsort(pairs[:, 0], kind="stable")]
-    begins = np.searchsorted(pairs[:, 0], np.arange(shells + 1))
-    layer, is_placed = np.zeros(shells, dtype=np.int32), ~may_cross
-    for shell in np.flatnonzero(may_cross):
-        others = pairs[begins[shell] : begins[shell + 1], 1]
-        taken = set(layer[others[is_placed[others]]].tolist())
-        layer[shell] = next(number for number in count(1) if number not in taken)
-        is_placed[shell] = True
+    layer = -may_cross.astype(np.int32)
+    crossing = np.flatnonzero(may_cross)
+    boxes, pairs, count = (low[crossing], high[crossing]), [np.zeros((2, 0), dtype=np.int32)], 0
+    for one, other in near_boxes(boxes, boxes):
+        is_before = other < one
+        pairs.append(np.stack([one[is_before], other[is_before]]).astype(np.int32))
+        count += pairs[-1].shape[1]
+        if count > _MOST_CROSSING:
+            return layer
+    ends = np.concatenate(pairs, axis=1)
+    before = scipy.sparse.coo_array((np.ones(count, np.int8), ends), (len(crossing),) * 2).tocsr()
+    for row, shell in enumerate(crossing):
+        others = crossing[before.indices[before.indptr[row] : before.indptr[row + 1]]]
+        taken = set(layer[others].tolist())
+        layer[shell] = next(number for number in itertools.count(1) if number not in taken)
     return layer
 
 

@@ -171,12 +171,15 @@ def _folded(vertices: FloatArray, layers: Sequence[IntArray], size: float) -> in
     wide = wide[:: 1 + len(wide) // _MOST_FOLDED]
     away = _AWAY * size * normals[wide] / areas[wide, None]
     middles = corners[wide].mean(axis=1)
-    solid = np.zeros(2 * len(middles), dtype=np.bool_)
+    alone = np.arange(len(wide))
     for faces in layers:
-        beside = np.concatenate([middles + away, middles - away])
+        beside = np.concatenate([middles[alone] + away[alone], middles[alone] - away[alone]])
         point, _, side = rays_met(vertices[faces], beside, _DIRECTION)
-        solid |= np.abs(np.bincount(point, side, len(beside))) > 0.5
-    return int((~solid.reshape(2, -1).any(axis=0)).sum())
+        solid = np.abs(np.bincount(point, side, len(beside))) > 0.5
+        alone = alone[~solid.reshape(2, -1).any(axis=0)]
+        if not len(alone):
+            break
+    return len(alone)
 
 
 def _is_thin(vertices: FloatArray, shells: Shells) -> BoolArray:

@@ -74,7 +74,12 @@ def test_spikes_through_their_own_solids_hollow_no_other(
     np.testing.assert_array_equal(inside, solid[:50])
 
 
-def test_shells_are_in_layers_of_their_own_only_where_they_are_near_each_other() -> None:
+@pytest.mark.parametrize("most", [1, 1000])
+def test_shells_are_in_layers_of_their_own_only_where_they_are_near_each_other(
+    most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However many pairs are looked for."""
+    monkeypatch.setattr(crossings, "_MOST_NEAR", most)
     apart = [spiked((0.03, 0.02, -3), (8 * k, 0, 0)) for k in range(3)]
     parts = [*apart, spiked((0.03, 0.02, -3), (0.1, 0.1, 0.1)), meshes.box((30, 4, 4))]
     label = np.repeat(np.arange(5, dtype=np.int32), [len(faces) for _, faces in parts])
@@ -82,10 +87,10 @@ def test_shells_are_in_layers_of_their_own_only_where_they_are_near_each_other()
 
 
 @pytest.mark.parametrize("more", [[], [meshes.box((8, 2, 2))]])
-def test_shells_that_cross_themselves_are_in_no_layer_where_too_many_are_near_each_other(
+def test_shells_that_cross_themselves_are_in_no_layer_where_they_are_too_many(
     more: list[meshes.Mesh], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(crossings, "_MOST_NEAR", 1)
+    monkeypatch.setattr(crossings, "_MOST_CROSSING", 1)
     parts = [*(spiked((0.03, 0.02, -3), (k, 0, 0)) for k in range(3)), *more]
     surface = clean(*meshes.joined(*parts))
     points = np.random.default_rng(0).uniform((-4, -1, -1), (4, 1, 1), (200, 3))
