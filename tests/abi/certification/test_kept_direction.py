@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import copy
 import json
+from fractions import Fraction
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
+import scipy
 
 from abi.arrays import FloatArray
 from abi.certification.certify_motion import certify_motion
-from abi.certification.kept_direction import KeptDirection, kept_direction
+from abi.certification.kept_direction import KeptDirection, _angles, kept_direction
 from abi.certification.motion import Motion
 from abi.certification.read_message import read_message
 from abi.certification.robot_motion import RobotMotion, robot_motion
@@ -159,6 +161,11 @@ def test_another_direction_or_part_than_the_scene_s_is_refused(
     chain = exact_joints(scene.arm.robot, JOINTS, scene.arm.base, 1, scene.arm.base_wxyz)
     path = exact_path(data["motion"], [1] * len(JOINTS))
     assert "of its direction" in check_held_in_motion(data, scene, chain, path)
+    # with a tenth of a milliradian of room no turn, but how far the axis leaves its chord tells
+    near = certify_motion(nodding(degree, 0.0999), scene).to_dict()
+    monkeypatch.setattr(held_direction, "_MOST_STRETCHES", 48)
+    own = exact_path(near["motion"], [1] * len(JOINTS))
+    assert "of its direction" in check_held_in_motion(near, scene, chain, own)
     monkeypatch.setattr(held_direction, "_MOST_STRETCHES", 3)
     with pytest.raises(Fault, match="too little room"):
         check_held_in_motion(data, scene, chain, path)
@@ -172,6 +179,26 @@ def test_another_direction_or_part_than_the_scene_s_is_refused(
             check_held_in_motion(wrong, scene, chain, path)
     with pytest.raises(Fault, match="not the scene's"):
         check_held_in_motion(data, alone(), chain, path)
+
+
+@pytest.mark.parametrize("degree", [1, 3, 5])
+def test_between_its_ends_an_axis_is_no_farther_off_than_its_bow(degree: int) -> None:
+    random = np.random.default_rng(degree)
+    scene = alone()
+    chain = exact_joints(scene.arm.robot, JOINTS, scene.arm.base, 1, scene.arm.base_wxyz)
+    for size in (0.001, 0.003, 0.01):
+        points = random.uniform(-3, 3, len(JOINTS)) + size * random.normal(size=(degree + 1, 6))
+        path = [tuple([Fraction(one) for one in row] for row in points.tolist())]
+        begin, end = Fraction(1, 8), Fraction(7, 8)
+        bow = held_direction._bow(chain, scene.arm.tool, path, begin, end)
+        assert bow is not None
+        shares = np.linspace(0.125, 0.875, 101)
+        curve = scipy.interpolate.BPoly(points[:, None], [0, 1])(shares)
+        moves = robot_motion(Motion(JOINTS, np.array([0.0, 1.0]), points[[0, -1]]), scene)
+        for direction in random.normal(size=(20, 3)):
+            angles = _angles(moves.chain, scene.arm.tool, direction, curve)
+            farthest = max(angles[0], angles[-1])
+            assert farthest > 1.5 or angles.max() <= farthest + float(bow) + 1e-9
 
 
 def test_a_planned_motion_keeps_what_its_scene_holds_exactly() -> None:
