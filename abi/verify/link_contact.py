@@ -19,13 +19,13 @@ import scipy
 from numpy.typing import NDArray
 
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.robot.urdf.link import Link, LinkShape
+from abi.robot.urdf.link import Link
 from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.shape_triangles import circle, prism, rectangle, shape_triangles
 from abi.verify.exact.solids import ExactSolid, in_body, vector
 
 _NEAR = 1e-6
 """Distance that counts as none, over the size of both links."""
-_SIDES = 192
 _CHUNK = 4096
 _WHOLE = 1e-4
 """Accepted difference of a winding number from a whole one."""
@@ -66,7 +66,7 @@ def link_triangles(link: Link, scale: float, around: bool = False) -> LinkTriang
     parts, radii, shells = list[FloatArray](), list[FloatArray](), list[IntArray]()
     count = 0
     for shape in link.shapes:
-        triangles = _triangles(shape, around)
+        triangles = shape_triangles(shape, around)
         shells.append(count + _shells(triangles))
         count = int(shells[-1].max()) + 1
         radius = shape.size[0] if shape.kind == "sphere" else 0.0
@@ -88,9 +88,9 @@ def solid_triangles(solid: ExactSolid | ExactMesh, around: bool = False) -> Link
         if radius:  # around a point or a segment
             triangles = np.array([[[0, 0, -half[2]], [0, 0, half[2]], [0, 0, half[2]]]])
         elif disc:
-            triangles = _prism(_circle(disc, around), half[2])
+            triangles = prism(circle(disc, around), half[2])
         else:
-            triangles = _prism(_rectangle(half[0], half[1]), half[2])
+            triangles = prism(rectangle(half[0], half[1]), half[2])
     layers = (solid.layers if isinstance(solid, ExactMesh) else ()) or (len(triangles),)
     shells = _shells(triangles, np.repeat(np.arange(len(layers)), layers))
     firsts = np.unique(shells, return_index=True)[1].astype(np.int32)
@@ -174,40 +174,6 @@ def near_triangles(
     for i, j in _candidates(first, second, near):
         reach = first.radii[i] + second.radii[j] + near
         yield first.corners[i], second.corners[j], reach
-
-
-def _triangles(shape: LinkShape, around: bool) -> FloatArray:
-    """Triangles (n, 3, 3) of a shape in its own frame, [m]."""
-    a, b, c = shape.size
-    if shape.kind == "mesh":
-        return np.asarray(shape.vertices[shape.faces])
-    if shape.kind == "sphere":
-        return np.zeros((1, 3, 3))
-    if shape.kind == "box":
-        return _prism(_rectangle(a / 2, b / 2), c / 2)
-    return _prism(_circle(a, around), b / 2)
-
-
-def _rectangle(x: float, y: float) -> FloatArray:
-    """Corners (4, 2) of a rectangle of half sides x and y."""
-    return np.array([[x, y], [-x, y], [-x, -y], [x, -y]])
-
-
-def _circle(radius: float, around: bool) -> FloatArray:
-    """Corners (n, 2) on a circle, or of the regular polygon around it."""
-    angles = 2 * np.pi * np.arange(_SIDES) / _SIDES
-    far = radius / np.cos(np.pi / _SIDES) if around else radius
-    return np.asarray(far * np.column_stack([np.cos(angles), np.sin(angles)]))
-
-
-def _prism(rim: FloatArray, half: float) -> FloatArray:
-    """Triangles (n, 3, 3) of a prism over a rim (m, 2): two for each side, and its ends."""
-    low, high = (np.column_stack([rim, np.full(len(rim), z)]) for z in (-half, half))
-    after = np.roll(np.arange(len(rim)), -1)
-    fan = np.array([[0, k, k + 1] for k in range(1, len(rim) - 1)])
-    sides = np.stack([low, low[after], high[after]], axis=1)
-    others = np.stack([low, high[after], high], axis=1)
-    return np.concatenate([sides, others, low[fan[:, ::-1]], high[fan]])
 
 
 def holds(solid: LinkTriangles, other: LinkTriangles) -> bool:

@@ -10,16 +10,16 @@ millionth passes.
 from __future__ import annotations
 
 import contextlib
-import itertools
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy
 
-from abi.arrays import BoolArray, FloatArray
+from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.robot.urdf.link import LinkShape
 from abi.robot.urdf.robot import Robot
 from abi.verify.exact.chain import ExactChain
+from abi.verify.exact.shape_triangles import shape_triangles
 from abi.verify.exact.solids import LinkPiece, MovedHull
 from abi.verify.fault import Fault
 
@@ -40,7 +40,6 @@ _FINEST, _MOST_CUTS = 2.0**-7, 4000
 """Sides of triangles that are cut, over the size of their shape, and their number, at most."""
 _Hull = tuple[FloatArray, float, scipy.spatial.ConvexHull | None]
 """Points (n, 3), the distance from their hull that belongs to it, and its facets; None if flat."""
-_AROUND = np.linspace(0, 2 * np.pi, 16, endpoint=False)
 
 
 def check_corners(
@@ -62,20 +61,18 @@ def check_corners(
             continue
         pose = chain.places[name].astype(np.float64)
         turn, origin = pose[:3, :3], pose[:3, 3]
-        parts = [*map(_corners, link.shapes)]
+        parts, triangles = zip(*map(_corners, link.shapes), strict=True)
         corners = units * np.concatenate(parts) @ turn.T + origin
         allowed = _NEAR * max(units, float(np.abs(corners).max()))
         pieces = [[_facets(hull, allowed) for hull in one] for one in bodies[name]]
         held = _holding(corners, pieces)
         ends = np.cumsum([len(one) for one in parts])[:-1]
-        more = [np.zeros((0, 3))]
-        for shape, own, inside in zip(
-            link.shapes, np.split(corners, ends), np.split(held, ends), strict=True
+        more = []
+        for shape, faces, own, inside in zip(
+            link.shapes, triangles, np.split(corners, ends), np.split(held, ends), strict=True
         ):
-            if shape.kind == "mesh":
-                faces = np.unique(shape.faces, return_inverse=True)[1].reshape(-1, 3)
-                more.append(_parted(own[faces], inside[faces], pieces, random))
-            elif shape.kind != "box" or not inside.all(axis=0).any():
+            more.append(_parted(own[faces], inside[faces], pieces, random))
+            if shape.kind != "mesh" and (shape.kind != "box" or not inside.all(axis=0).any()):
                 more.append(units * _spread(shape, random) @ turn.T + origin)
         points = _holding(np.concatenate(more), pieces)
         if not (held.any(axis=1).all() and points.any(axis=1).all()):
@@ -194,19 +191,21 @@ def _distances(points: FloatArray, first: FloatArray, ways: FloatArray) -> Float
     return np.asarray(np.linalg.norm(points - first - shares[..., None] * ways, axis=-1))
 
 
-def _corners(shape: LinkShape) -> FloatArray:
-    """Points (n, 3) of a shape that are farthest out, in its link's frame, [m]."""
-    a, b, c = shape.size
+def _corners(shape: LinkShape) -> tuple[FloatArray, IntArray]:
+    """Points (n, 3) of a shape that are farthest out, in its link's frame, [m], and its triangles.
+
+    These are numbers of such points, (m, 3); a ball has none.
+    """
+    if shape.kind == "sphere":
+        ends = shape.size[0] * np.concatenate([np.eye(3), -np.eye(3)])
+        return _in_link(ends, shape), np.zeros((0, 3), dtype=np.int32)
     if shape.kind == "mesh":
-        points = shape.vertices[np.unique(shape.faces)]  # files have others that no face uses
-    elif shape.kind == "box":
-        points = np.array([*itertools.product((-a / 2, a / 2), (-b / 2, b / 2), (-c / 2, c / 2))])
-    elif shape.kind == "sphere":
-        points = a * np.concatenate([np.eye(3), -np.eye(3)])
+        used, faces = np.unique(shape.faces, return_inverse=True)  # files have others
+        points = shape.vertices[used]
     else:
-        rim = np.column_stack([a * np.cos(_AROUND), a * np.sin(_AROUND), 0 * _AROUND])
-        points = np.concatenate([rim + np.array([0, 0, end]) for end in (-b / 2, b / 2)])
-    return _in_link(points, shape)
+        rows = shape_triangles(shape).reshape(-1, 3)
+        points, faces = np.unique(rows, axis=0, return_inverse=True)
+    return _in_link(points, shape), faces.reshape(-1, 3).astype(np.int32)
 
 
 def _parted(
@@ -226,7 +225,8 @@ def _parted(
         pieces: the pieces.
         random: where points are.
     """
-    finest, left = _FINEST * float(np.ptp(triangles.reshape(-1, 3), axis=0).max()), _MOST_CUTS
+    size = np.ptp(triangles.reshape(-1, 3), axis=0).max() if len(triangles) else 0.0
+    finest, left = _FINEST * float(size), _MOST_CUTS
     while True:
         parted = ~np.any(np.all(inside, axis=1), axis=1)
         triangles, inside = triangles[parted], inside[parted]
@@ -250,8 +250,9 @@ def _parted(
     areas = np.linalg.norm(np.cross(*np.diff(triangles, axis=1).swapaxes(0, 1)), axis=1)
     if not areas.sum() > 0:
         return np.zeros((0, 3))
-    chosen = random.choice(len(areas), _POINTS, p=areas / areas.sum())
-    weights = random.dirichlet(np.ones(3), _POINTS)
+    more = random.choice(len(areas), _POINTS, p=areas / areas.sum())
+    chosen = np.concatenate([np.arange(len(areas)), more])
+    weights = random.dirichlet(np.ones(3), len(chosen))
     return np.asarray(np.einsum("nc,nci->ni", weights, triangles[chosen]))
 
 

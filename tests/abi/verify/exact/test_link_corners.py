@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from abi.arrays import FloatArray
 from abi.robot.bodies.link_bodies import link_bodies
+from abi.robot.urdf.link import LinkShape
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import robot_from_archive
 from abi.verify.allowed_contacts import check_insides
@@ -63,14 +66,14 @@ def test_bodies_of_a_link_hold_it_and_balls_at_its_corners_do_not(name: str) -> 
     robot = robot_of(name)
     bodies = link_bodies(robot.links["a"])
     check(robot, [around(one.points, one.rounding) for one in bodies])
-    corners = np.concatenate([_corners(shape) for shape in robot.links["a"].shapes])
+    corners = np.concatenate([_corners(shape)[0] for shape in robot.links["a"].shapes])
     with pytest.raises(Fault, match="the capsules of a are not"):
         check(robot, [around(one[None], 1e-3) for one in corners])
 
 
 def test_a_shell_of_plates_around_a_box_leaves_its_inside_out() -> None:
     robot = robot_of("box")
-    corners = np.concatenate([_corners(shape) for shape in robot.links["a"].shapes])
+    corners = np.concatenate([_corners(shape)[0] for shape in robot.links["a"].shapes])
     sides = [
         corners[np.isclose(corners[:, axis], end)]
         for axis in range(3)
@@ -78,6 +81,24 @@ def test_a_shell_of_plates_around_a_box_leaves_its_inside_out() -> None:
     ]
     with pytest.raises(Fault, match="the capsules of a are not"):
         check(robot, [around(side, 1e-3) for side in sides])
+
+
+def part_of(shape: LinkShape, points: FloatArray, axis: int, low: float, high: float) -> LinkPiece:
+    """A piece that is the hull of a shape's points, moved in between two planes across an axis."""
+    limits = np.full((2, 3), [[-9.0], [9.0]])
+    limits[:, axis] = low, high
+    return around(_in_link(np.clip(points, *limits), shape), 1e-6)
+
+
+@pytest.mark.parametrize("gap", [3e-4, -1e-6])
+def test_a_slit_between_pieces_of_a_box_is_found_each_time(gap: float) -> None:
+    robot = robot_of("box")
+    (*_, shape) = robot.links["a"].shapes
+    corners = np.array([*itertools.product((-0.05, 0.05), (-0.05, 0.05), (-0.15, 0.15))])
+    halves = [part_of(shape, corners, 2, -9, 0.02), part_of(shape, corners, 2, 0.02 + gap, 9)]
+    for _ in range(4):
+        with pytest.raises(Fault) if gap > 0 else contextlib.nullcontext():
+            check(robot, halves)
 
 
 def test_a_mast_beside_a_wide_plate_is_held_all_along() -> None:
@@ -89,11 +110,7 @@ def test_a_mast_beside_a_wide_plate_is_held_all_along() -> None:
     robot = robot_from_archive(packed({"r.urdf": arm((BOX, mesh)), "a.stl": content}))
     shape, (flat, high) = robot.links["a"].shapes[-1], (np.array(one.vertices) for one in parts)
 
-    def piece(points: FloatArray, axis: int, low: float, high: float) -> LinkPiece:
-        limits = np.full((2, 3), [[-9.0], [9.0]])
-        limits[:, axis] = low, high
-        return around(_in_link(np.clip(points, *limits), shape), 1e-3)
-
+    piece = partial(part_of, shape)
     plates = [[piece(flat, 0, -9, 9)], [piece(flat, 0, -9, 0.1), piece(flat, 0, -0.1, 9)]]
     for whole in plates:
         check(robot, [*whole, piece(high, 2, -9, 9)])
