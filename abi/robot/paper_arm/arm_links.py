@@ -8,7 +8,6 @@ Each link's frame is that of its joint, z along the link, x along the axes of q2
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from abi.obstacles.pose import Vec3
 from abi.robot.bodies.link_solid import LinkSolid
@@ -23,37 +22,8 @@ COLOURS: dict[str, Vec3] = {
 
 _ALONG_X: Vec3 = (0.0, math.pi / 2, 0.0)
 
-
-@dataclass(frozen=True)
-class Proportions:
-    """Sizes that follow from the link lengths, in the unit of those.
-
-    Attributes:
-        shoulder: radius of the shoulder, q2.
-        elbow: radius of the elbow, q3; the widths of all links are multiples of it.
-        roll: height of the forearm's roll, q4, above the elbow.
-        wrist: height of the wrist's roll, q6, above the end of the sleeve at q5 = 0.
-        grip: half of the gripper's width.
-    """
-
-    shoulder: float
-    elbow: float
-    roll: float
-    wrist: float
-    grip: float
-
-
-def proportions(a1: float, a2: float, a3: float, a4: float, a5: float) -> Proportions:
-    """Choose the sizes so that neighbours fit each other, whatever the link lengths (all > 0)."""
-    hub = min(0.062 * (a3 + a4 + a5), 0.27 * (a1 + a2), 0.3 * a3)
-    elbow = min(0.8 * hub, 0.24 * (a4 + a5))
-    return Proportions(
-        shoulder=min(hub, 1.8 * elbow),
-        elbow=elbow,
-        roll=min(1.75 * elbow, 0.7 * a4),
-        wrist=0.4 * a5,
-        grip=min(0.6 * elbow, 0.3 * a5),
-    )
+_WRIST = 0.4
+"""Height of the wrist's roll, q6, above the end of the sleeve at q5 = 0, as a share of a5."""
 
 
 def links(
@@ -71,27 +41,44 @@ def links(
     Returns:
         base_link, turret, upper_arm, elbow, forearm, rod, gripper and the frame tool.
     """
-    size = proportions(a1, a2, a3, a4, a5)
+    shoulder, elbow = radii(a1, a2, a3, a4, a5)
+    roll = _roll(elbow, a4)
+    grip = min(0.6 * elbow, 0.3 * a5)  # half of the gripper's width
     return {
-        "base_link": _base(size, a1),
-        "turret": _turret(size, a2),
-        "upper_arm": _upper_arm(size, a3),
-        "elbow": _elbow(size),
-        "forearm": _forearm(size, a4),
-        "rod": _rod(size, a4),
-        "gripper": _gripper(size, a5),
+        "base_link": _base(shoulder, a1),
+        "turret": _turret(shoulder, elbow, a2),
+        "upper_arm": _upper_arm(shoulder, elbow, a3),
+        "elbow": _elbow(elbow, roll),
+        "forearm": _forearm(elbow, a4 - roll),
+        "rod": _rod(elbow, grip, a4, a5),
+        "gripper": _gripper(grip, a5),
         "tool": (),
     }
 
 
 def joint_heights(a1: float, a2: float, a3: float, a4: float, a5: float) -> tuple[float, ...]:
     """Height of each joint, q1 to q6, and of the tool in the frame of the joint before it, [m]."""
-    size = proportions(a1, a2, a3, a4, a5)
-    return a1, a2, a3, size.roll, a4 - size.roll, size.wrist, a5 - size.wrist
+    roll, wrist = _roll(radii(a1, a2, a3, a4, a5)[1], a4), _WRIST * a5
+    return a1, a2, a3, roll, a4 - roll, wrist, a5 - wrist
 
 
-def _base(size: Proportions, a1: float) -> tuple[LinkSolid, ...]:
-    s = size.shoulder
+def radii(a1: float, a2: float, a3: float, a4: float, a5: float) -> tuple[float, float]:
+    """Radii of the shoulder, q2, and of the elbow, q3, so that neighbours fit each other.
+
+    The widths of all links are multiples of these, whatever the link lengths (all > 0).
+    """
+    hub = min(0.062 * (a3 + a4 + a5), 0.27 * (a1 + a2), 0.3 * a3)
+    elbow = min(0.8 * hub, 0.24 * (a4 + a5))
+    return min(hub, 1.8 * elbow), elbow
+
+
+def _roll(elbow: float, a4: float) -> float:
+    """Height of the forearm's roll, q4, above the elbow."""
+    return min(1.75 * elbow, 0.7 * a4)
+
+
+def _base(shoulder: float, a1: float) -> tuple[LinkSolid, ...]:
+    s = shoulder
     plate = min(0.22 * s, 0.25 * a1)
     step = plate + 0.45 * (a1 - plate)
     bolts = tuple(
@@ -114,12 +101,12 @@ def _base(size: Proportions, a1: float) -> tuple[LinkSolid, ...]:
     )
 
 
-def _turret(size: Proportions, a2: float) -> tuple[LinkSolid, ...]:
-    s = size.shoulder
+def _turret(shoulder: float, elbow: float, a2: float) -> tuple[LinkSolid, ...]:
+    s = shoulder
     seam = min(0.06 * s, 0.05 * a2)
     top = max(a2 - 1.15 * s, 0.3 * a2)
     ring = min(0.12 * s, 0.2 * top)
-    inner, outer = _fork(size)
+    inner, outer = _fork(elbow)
     cheeks = tuple(
         _block((outer - inner, 1.88 * s), 0.5 * top, a2, side * (inner + outer) / 2, "shell")
         for side in (-1, 1)
@@ -129,19 +116,19 @@ def _turret(size: Proportions, a2: float) -> tuple[LinkSolid, ...]:
         _column(1.37 * s, top - 1.6 * ring, top - ring, "accent", body=False),
         _column(1.42 * s, top - ring, top, "shell"),
         *cheeks,
-        *_hinge(size, 0.94 * s, a2),
+        *_hinge(elbow, 0.94 * s, a2),
     )
 
 
-def _upper_arm(size: Proportions, a3: float) -> tuple[LinkSolid, ...]:
-    lower, upper = 0.88 * size.shoulder, 0.9 * size.elbow
-    half = 0.55 * size.elbow
-    length = a3 - 1.25 * size.shoulder - 1.5 * size.elbow
-    middle = 1.25 * size.shoulder + length / 2
+def _upper_arm(shoulder: float, elbow: float, a3: float) -> tuple[LinkSolid, ...]:
+    lower, upper = 0.88 * shoulder, 0.9 * elbow
+    half = 0.55 * elbow
+    length = a3 - 1.25 * shoulder - 1.5 * elbow
+    middle = 1.25 * shoulder + length / 2
     sides = tuple(
         LinkSolid(
             "box",
-            (0.08 * half, 0.62 * size.elbow, length),
+            (0.08 * half, 0.62 * elbow, length),
             "joint",
             (side * half, 0.0, middle),
             body=False,
@@ -156,23 +143,23 @@ def _upper_arm(size: Proportions, a3: float) -> tuple[LinkSolid, ...]:
     )
 
 
-def _elbow(size: Proportions) -> tuple[LinkSolid, ...]:
-    e, top = size.elbow, size.roll
-    inner, outer = _fork(size)
+def _elbow(elbow: float, roll: float) -> tuple[LinkSolid, ...]:
+    e, top = elbow, roll
+    inner, outer = _fork(e)
     floor = 0.62 * top
     seam = min(0.07 * e, 0.1 * top)
     narrow = max(0.72 * e, 0.94 * e - 0.5 * floor)
     return (
         *_belt(0.94 * e, narrow, floor, inner, outer, "shell"),
         *_belt(0.94 * e, narrow, floor, -outer, -inner, "shell"),
-        *_hinge(size, 0.94 * e, 0.0),
+        *_hinge(e, 0.94 * e, 0.0),
         _column(1.2 * e, floor, top - seam, "shell"),
         _column(1.04 * e, top - seam, top + seam, "joint", body=False),
     )
 
 
-def _forearm(size: Proportions, a4: float) -> tuple[LinkSolid, ...]:
-    e, length = size.elbow, a4 - size.roll
+def _forearm(elbow: float, length: float) -> tuple[LinkSolid, ...]:
+    e = elbow
     collar = min(0.34 * e, 0.3 * length)
     ring = 0.3 * collar
     foot = min(0.07 * e, 0.1 * length)
@@ -185,19 +172,19 @@ def _forearm(size: Proportions, a4: float) -> tuple[LinkSolid, ...]:
     )
 
 
-def _rod(size: Proportions, a4: float) -> tuple[LinkSolid, ...]:
+def _rod(elbow: float, grip: float, a4: float, a5: float) -> tuple[LinkSolid, ...]:
     # The rod's tail stays in the sleeve at the largest extension, 0.8·a4.
-    e, wrist = size.elbow, size.wrist
+    e, wrist = elbow, _WRIST * a5
     ring = 0.16 * wrist
     return (
         _column(0.46 * e, -0.88 * a4, 0.2 * wrist, "steel"),
-        _column(0.82 * size.grip, 0.2 * wrist, wrist - ring, "shell"),
-        _column(0.74 * size.grip, wrist - ring, wrist, "joint", body=False),
+        _column(0.82 * grip, 0.2 * wrist, wrist - ring, "shell"),
+        _column(0.74 * grip, wrist - ring, wrist, "joint", body=False),
     )
 
 
-def _gripper(size: Proportions, a5: float) -> tuple[LinkSolid, ...]:
-    g, length = size.grip, a5 - size.wrist
+def _gripper(grip: float, a5: float) -> tuple[LinkSolid, ...]:
+    g, length = grip, a5 - _WRIST * a5
     plate, palm, knuckle = 0.1 * length, 0.32 * length, 0.62 * length
     bend = knuckle + 0.06 * length
     # slender at the tool, which may pass an obstacle at little more than the clearance
@@ -223,14 +210,14 @@ def _gripper(size: Proportions, a5: float) -> tuple[LinkSolid, ...]:
     )
 
 
-def _fork(size: Proportions) -> tuple[float, float]:
+def _fork(elbow: float) -> tuple[float, float]:
     """Inner and outer distance of a fork's cheeks from the plane of the arm."""
-    return 0.62 * size.elbow, 0.98 * size.elbow
+    return 0.62 * elbow, 0.98 * elbow
 
 
-def _hinge(size: Proportions, radius: float, z: float) -> tuple[LinkSolid, ...]:
+def _hinge(elbow: float, radius: float, z: float) -> tuple[LinkSolid, ...]:
     """A fork's rounded ends about the x axis at height ``z``, an accent ring and a dark cap."""
-    inner, outer = _fork(size)
+    inner, outer = _fork(elbow)
     boss, ring, cap = outer + 0.05 * radius, outer + 0.1 * radius, outer + 0.22 * radius
     return (
         _disc(radius, inner, boss, z, "shell"),

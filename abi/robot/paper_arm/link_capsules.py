@@ -60,9 +60,9 @@ def link_capsules(a1: float, a2: float, a3: float, a4: float, a5: float) -> tupl
     Args:
         a1, a2, a3, a4, a5: lengths as for :func:`abi.robot.paper_arm.arm_links.links`, [unit].
     """
-    size = arm_links.proportions(a1, a2, a3, a4, a5)
+    _, _, _, roll, _, above_sleeve, _ = arm_links.joint_heights(a1, a2, a3, a4, a5)
     solids = arm_links.links(a1, a2, a3, a4, a5)
-    gripper, wrist = solids["gripper"], a4 + size.wrist
+    gripper, wrist = solids["gripper"], a4 + above_sleeve
     fingers = gripper[_FINGERS:]
     low, high, radius = _bounding_capsule(solids["upper_arm"], 0.0)
     middle = (low + high) / 2
@@ -72,7 +72,7 @@ def link_capsules(a1: float, a2: float, a3: float, a4: float, a5: float) -> tupl
         LinkCapsule("upper_arm", UPPER_ARM, low, middle, radius, neighbour=True),
         LinkCapsule("upper_arm", UPPER_ARM, middle, high, radius),
         LinkCapsule("elbow", FOREARM, *_bounding_capsule(solids["elbow"], 0.0)),
-        LinkCapsule("forearm", FOREARM, *_bounding_capsule(solids["forearm"], size.roll)),
+        LinkCapsule("forearm", FOREARM, *_bounding_capsule(solids["forearm"], roll)),
         LinkCapsule("rod", SLIDE, *_bounding_capsule(solids["rod"], a4)),
         LinkCapsule("gripper", SLIDE, *_bounding_capsule(gripper[:_FINGERS], wrist)),
         LinkCapsule("gripper", SLIDE, *_bounding_capsule([*fingers[0::3], *fingers[1::3]], wrist)),

@@ -188,8 +188,8 @@ def test_the_base_stands_on_the_floor_and_the_fingers_end_at_the_tool(arm: Paper
     lows = [solid.xyz[2] - solid.size[2] / 2 for solid in links["base_link"]]
     assert min(lows) == pytest.approx(0, abs=1e-12)
     highs = [solid.xyz[2] + solid.size[2] / 2 for solid in links["gripper"]]
-    wrist = arm_links.proportions(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5).wrist
-    assert max(highs) == pytest.approx(arm.a5 - wrist, rel=1e-9)
+    *_, tool = arm_links.joint_heights(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
+    assert max(highs) == pytest.approx(tool, rel=1e-9)
 
 
 @pytest.mark.slow
@@ -209,8 +209,8 @@ def test_the_rod_never_leaves_its_sleeve(arm: PaperArm) -> None:
 @given(arms())
 def test_the_upper_arm_is_the_hull_of_its_ends(arm: PaperArm) -> None:
     link = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)["upper_arm"]
-    size = arm_links.proportions(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
-    lower, upper = 0.88 * size.shoulder, 0.9 * size.elbow
+    shoulder, elbow = arm_links.radii(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
+    lower, upper = 0.88 * shoulder, 0.9 * elbow
     plates = [s for s in link if s.shape == "box" and s.material == "shell"]
     angles = np.linspace(0, 2 * np.pi, 720)
     normals = np.stack([np.sin(angles), np.cos(angles)], axis=1)
