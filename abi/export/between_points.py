@@ -6,6 +6,7 @@ polynomials, and points without by straight ways of the joints.
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 from collections.abc import Iterator, Sequence
 
@@ -19,6 +20,7 @@ from abi.certification.joint_limits import joint_limits
 from abi.certification.motion import Motion
 from abi.certification.robot_motion import RobotMotion, bezier_points
 from abi.curves.clearance.certificate import Certificate
+from abi.errors import AbiError
 from abi.explain.arm_faults import limit_sentence
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
@@ -44,8 +46,7 @@ def polynomials_are_clear(plan: Plan) -> bool:
         plan: with a motion that is proven clear.
     """
     for leg, moves in _legs(plan):
-        passed = joint_limits(moves).passed
-        if _leave_limits(leg, passed):
+        if moves is None or _leave_limits(leg, joint_limits(moves).passed):
             return False
         if (paper_arm := leg.paper_arm) is not None:
             clearance, away = leg.arm_clearance, _departure(paper_arm, moves)
@@ -69,6 +70,8 @@ def growth_warning(plan: Plan) -> str:
         return ""
     found = []
     for leg, moves in _legs(plan):
+        if moves is None:
+            return ""  # its samples pass limits, which is told
         passed = joint_limits(moves, leg.scene.motion.joint_acceleration).passed
         if _leave_limits(leg, passed):
             return ""  # the points have positions alone
@@ -102,13 +105,19 @@ def _beyond(leg: Plan, quantity: Quantity, passed: Sequence[Violation]) -> list[
     ]
 
 
-def _legs(plan: Plan) -> Iterator[tuple[Plan, RobotMotion]]:
-    """Each leg of a plan with its polynomials, and the plan itself if it has none."""
+def _legs(plan: Plan) -> Iterator[tuple[Plan, RobotMotion | None]]:
+    """Each leg of a plan with its polynomials, and the plan itself if it has none.
+
+    There are none of a leg whose joints are faster than can be judged.
+    """
     first = 0
     for leg in plan.legs or (plan,):
         assert leg.motion is not None
         last = first + len(leg.motion.time) - 1  # where the next leg begins
-        yield leg, _polynomials(plan, leg, slice(first, last + 1))
+        moves = None
+        with contextlib.suppress(AbiError):
+            moves = _polynomials(plan, leg, slice(first, last + 1))
+        yield leg, moves
         first = last
 
 

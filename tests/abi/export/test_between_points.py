@@ -118,6 +118,10 @@ def test_velocities_are_left_out_where_with_them_a_joint_would_pass_what_it_near
     assert not [one for one in verdict.limits.passed if one.quantity == "position"]
     assert (b"straight ways" in text) == (samples == 3)
     assert (b"PASSES LIMITS" in text) == (speed < 5)
+    if obstacles:  # faster than any motion that can be judged
+        assert plan.motion is not None
+        fast = replace(plan, motion=replace(plan.motion, time=1e-6 * plan.motion.time))
+        assert b"straight ways" in ros_trajectory.write(fast, "a.ros.yaml")
 
 
 @pytest.mark.parametrize("samples", [3, 101])
