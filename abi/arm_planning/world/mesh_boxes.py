@@ -53,7 +53,11 @@ def boxes_of(surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray, IntA
         return (low + high) / 2, (high - low) / 2, upright, inside
     inside[inner:, 0], inside[inner:, 1] = tree.leaves[:-1] + nodes, tree.leaves[1:] + nodes
     corners = tree.corners.reshape(-1, 3, 3)
-    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    # along the longest side, which gives the smallest box
+    sides = np.roll(corners, -1, axis=1) - corners
+    begin = np.linalg.norm(sides, axis=2).argmax(axis=1)
+    rows = np.arange(len(corners))
+    first, second = sides[rows, begin], sides[rows, (begin + 1) % 3]
     # any orthonormal axes do: those of a triangle with no width are whatever comes out
     axes, _ = np.linalg.qr(np.stack([first, second, np.cross(first, second)], axis=2))
     own = np.einsum("nij,nki->nkj", axes, corners)

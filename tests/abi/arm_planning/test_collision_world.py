@@ -9,6 +9,7 @@ import pytest
 
 from abi.arm_planning.world.mesh_boxes import boxes_of
 from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.shells import areas_of
 from tests.abi import meshes
 
 _SIGNS = np.array(list(itertools.product((-1, 1), repeat=3)))
@@ -17,7 +18,9 @@ _SIGNS = np.array(list(itertools.product((-1, 1), repeat=3)))
 @pytest.mark.parametrize(
     "mesh", [meshes.soup(40), meshes.knot(800), meshes.sphere(2, 0.8)], ids=["soup", "knot", "ball"]
 )
-def test_each_box_holds_those_inside_it(mesh: meshes.Mesh) -> None:
+def test_each_box_holds_those_inside_it_and_those_of_triangles_are_the_smallest(
+    mesh: meshes.Mesh,
+) -> None:
     surface = clean(*mesh)
     middles, halves, axes, inside = boxes_of(surface)
     corners = middles[:, None] + np.einsum("nij,ncj->nci", axes, _SIGNS * halves[:, None])
@@ -29,3 +32,5 @@ def test_each_box_holds_those_inside_it(mesh: meshes.Mesh) -> None:
     used = surface.vertices[surface.faces].reshape(-1, 3)
     assert flat.min() <= used.min() + 1e-9
     assert flat.max() >= used.max() - 1e-9
+    areas = np.sort(4 * halves[inside[:, 1] == 0][:, :2].prod(axis=1))
+    np.testing.assert_allclose(areas, 2 * np.sort(areas_of(surface.vertices, surface.faces)))
