@@ -76,13 +76,18 @@ class LinkSolids:
 
     @cached_property
     def anchors(self) -> FloatArray:
-        """A vertex of each connected part, (k, 3): it stands for all where no surfaces cross."""
+        """A vertex of each connected part, (k, 3): it stands for all where no surfaces cross.
+
+        And the middle of what is no mesh: of two that coincide, all edges lie in the other's sides.
+        """
         first, second, _ = self.edges
         points, numbers = np.unique(np.concatenate([first, second]), axis=0, return_inverse=True)
         pairs = numbers.reshape(2, -1)
         graph = scipy.sparse.coo_array((np.ones(pairs.shape[1]), pairs), (len(points),) * 2)
         _, parts = scipy.sparse.csgraph.connected_components(graph, directed=False)
-        return read_only(points[np.unique(parts, return_index=True)[1]])
+        middles = [shape.position for shape in self.shapes if not isinstance(shape, MeshShape)]
+        found = points[np.unique(parts, return_index=True)[1]]
+        return read_only(np.concatenate([found, np.reshape(middles, (-1, 3))]))
 
 
 @lru_cache(maxsize=256)

@@ -107,7 +107,8 @@ def depth(first: LinkSolids, second: LinkSolids, turn: FloatArray, origin: Float
     """
     deepest = 0.0
     back = -turn.T @ origin
-    placed = second.corners @ turn.T + origin, first.corners @ turn + back
+    own, others = (np.concatenate([one.corners, one.anchors]) for one in (first, second))
+    placed = others @ turn.T + origin, own @ turn + back
     sides = _sides(first, second, turn, origin)
     for corners, (other, (a, b, radii)) in zip(placed, sides, strict=True):
         low, high = other.bounds

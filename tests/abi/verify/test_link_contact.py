@@ -95,6 +95,11 @@ def test_faces_that_lie_on_each_other_touch(
     box = link_of(shape_of("box", (0.2, 0.2, 0.2), np.eye(4)))
     lying = link_triangles(box, scale).placed(np.eye(3), np.array([0, 0, scale * (0.2 + gap)]))
     assert touch(link_triangles(box, scale), lying, near) == expected
+    if near < 0:  # as where they are to be in each other
+        both, way = link_solids(box, scale), np.array([0.0, 0.0, scale * (0.2 + gap)])
+        assert solid_contact.touch(both, both, np.eye(3), way) == expected
+        deep = solid_contact.depth(both, both, np.eye(3), way)
+        assert deep == pytest.approx(scale * min(-gap, 0.1) if expected else 0.0, abs=1e-9)
 
 
 def test_what_is_inside_touches_also_in_a_cavity_but_not_in_an_open_shell() -> None:
