@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -39,19 +39,6 @@ _SAMPLES = 400  # of a path, to find its narrowest point
 _NAMED = 6  # obstacles in one sentence
 _SHARES = (1.0, 0.5, 0.25, 0.0)  # of the largest clearance that frees both ends, to try
 _LATE = ("bspline", "arm")  # stages of whose remedies a hint says that they work
-
-
-class Remedy(NamedTuple):
-    """A change of the scene, in words, and the plan that it gives."""
-
-    text: str
-    change: dict[str, Any]
-    trial: Plan
-
-    @property
-    def is_whole(self) -> bool:
-        """Whether nothing else is wrong then."""
-        return self.trial.error is None
 
 
 def explain(
@@ -130,35 +117,37 @@ def _blocked(scene: Scene, plan: Plan, what_if: WhatIf) -> Reason:
         free[which] = None if near is None else rounded(near, scene.workspace, slack / 2)
     message = _sentence(", and ".join(faults))
 
-    remedies: list[Remedy] = []
+    trials: dict[str, Plan] = {}  # of changed scenes, by the change in words
     change: dict[str, Any] = {
         which: point.tolist() for which, point in free.items() if point is not None
     }
     if len(change) == len(free) and (trial := what_if.plan_past("graph", **change)):
         targets = [f"the {which} to {format_point(point)}" for which, point in change.items()]
-        text = f"move {' and '.join(targets)}, the nearest free point found"
-        remedies.append(Remedy(text, change, trial))
+        trials[f"move {' and '.join(targets)}, the nearest free point found"] = trial
     if distances.min() >= 0:
-        remedies += _lower_clearance(what_if, float(distances.min()))
+        trials |= _lower_clearance(what_if, float(distances.min()))
     points = _read_only_points([point for point in free.values() if point is not None])
-    if not remedies:
+    if not trials:
         return Reason(message, "No free point was found near it: move an obstacle.", None, points)
-    remedies = [remedy for remedy in remedies if remedy.is_whole] or remedies[-1:]
-    hint = _sentence(", or ".join(remedy.text for remedy in remedies))
-    return _advised(message, hint, remedies, points, what_if)
+    trials = _whole(trials) or dict([trials.popitem()])
+    return _advised(message, _sentence(", or ".join(trials)), trials.values(), points, what_if)
 
 
-def _lower_clearance(what_if: WhatIf, most: float) -> list[Remedy]:
+def _whole(trials: dict[str, Plan]) -> dict[str, Plan]:
+    """Those of trials in which nothing else is wrong."""
+    return {text: trial for text, trial in trials.items() if trial.error is None}
+
+
+def _lower_clearance(what_if: WhatIf, most: float) -> dict[str, Plan]:
     """The largest clearance tried, up to ``most``, with a plan, else that gets past the graph."""
-    remedies = []
+    trials: dict[str, Plan] = {}
     for value in dict.fromkeys(rounded_down(share * most, 2) for share in _SHARES):
-        change = {"spline": {"clearance": value}}
-        if trial := what_if.plan_past("graph", **change):
+        if trial := what_if.plan_past("graph", spline={"clearance": value}):
             text = f"lower the clearance to {format_length(value)}"
-            remedies.append(Remedy(text, change, trial))
             if trial.error is None:
-                return remedies[-1:]
-    return remedies[:1]
+                return {text: trial}
+            trials = trials or {text: trial}
+    return trials
 
 
 def _disconnected(scene: Scene, plan: Plan, graph: Graph, what_if: WhatIf) -> Reason:
@@ -166,53 +155,48 @@ def _disconnected(scene: Scene, plan: Plan, graph: Graph, what_if: WhatIf) -> Re
     clearance, pitch = scene.spline.clearance, scene.mesh.pitch
     finer = what_if.finer_pitches()
     lower = what_if.largest_clearance(what_if.connected)
-    lowered = None
-    if lower is not None:
-        change: dict[str, Any] = {"spline": {"clearance": lower}}
-        if trial := what_if.plan_past("search", **change):
-            lowered = Remedy(f"a clearance of {format_length(lower)}", change, trial)
+    lowered: dict[str, Plan] = {}
+    if lower is not None and (trial := what_if.plan_past("search", spline={"clearance": lower})):
+        lowered[f"a clearance of {format_length(lower)}"] = trial
     connected_at_zero: list[float] = []
     for fine in finer:
-        change = {"mesh": {"pitch": fine}}
-        if what_if.connected(clearance, fine) and (trial := what_if.plan_past("search", **change)):
-            remedies = [Remedy(f"a node spacing of {format_length(fine)}", change, trial)]
-            if lowered is not None:
-                remedies.append(lowered)
-            remedies = [remedy for remedy in remedies if remedy.is_whole] or remedies[:1]
-            ways = ", or with ".join(remedy.text for remedy in remedies)
+        if what_if.connected(clearance, fine) and (
+            trial := what_if.plan_past("search", mesh={"pitch": fine})
+        ):
+            finest = {f"a node spacing of {format_length(fine)}": trial}
+            trials = _whole(finest | lowered) or finest
             return _advised(
                 f"The grid is too coarse for the gap: with nodes {format_length(pitch)} apart no "
                 f"path keeps a clearance of {format_length(clearance)}.",
-                f"With {ways}, there is a path.",
-                remedies,
+                f"With {', or with '.join(trials)}, there is a path.",
+                trials.values(),
                 _narrowest_point(trial),
                 what_if,
             )
         # now, while its mesh is there: that takes most of the time
         if lower is None and what_if.connected(0.0, fine):
             connected_at_zero.append(fine)
-    if lowered is not None:
+    if lowered:
+        [(text, trial)] = lowered.items()
         return _advised(
             f"The gap is too narrow for a clearance of {format_length(clearance)}"
             f"{', on finer grids too' if finer else ''}.",
-            f"With {lowered.text} there is a path.",
-            [lowered],
-            _narrowest_point(lowered.trial),
+            f"With {text} there is a path.",
+            [trial],
+            _narrowest_point(trial),
             what_if,
         )
     for fine in connected_at_zero:
         largest = what_if.largest_clearance(partial(what_if.connected, pitch=fine)) or 0.0
-        change = {"mesh": {"pitch": fine}, "spline": {"clearance": largest}}
-        if trial := what_if.plan_past("search", **change):
-            text = (
-                f"With a clearance of {format_length(largest)} and a node spacing of "
-                f"{format_length(fine)} there is a path."
-            )
+        if trial := what_if.plan_past(
+            "search", mesh={"pitch": fine}, spline={"clearance": largest}
+        ):
             return _advised(
                 f"The gap is too narrow for a clearance of {format_length(clearance)}, "
                 f"and nodes {format_length(pitch)} apart are too coarse for the gap.",
-                text,
-                [Remedy(text, change, trial)],
+                f"With a clearance of {format_length(largest)} and a node spacing of "
+                f"{format_length(fine)} there is a path.",
+                [trial],
                 _narrowest_point(trial),
                 what_if,
             )
@@ -280,8 +264,7 @@ def _not_held(scene: Scene, bspline: Fit[BSpline], what_if: WhatIf) -> Reason:
         changes[f"A node spacing of {format_length(fine)}"] = {"mesh": {"pitch": fine}}
     for text, change in changes.items():
         if trial := what_if.plan_past("bspline", **change):
-            remedies = [Remedy(text, change, trial)]
-            return _advised(message, f"{text} works.", remedies, read_only(points), what_if)
+            return _advised(message, f"{text} works.", [trial], read_only(points), what_if)
     return Reason(
         message, "No smaller clearance and no finer grid that was tested helps.", None, points
     )
@@ -299,29 +282,43 @@ def _narrowest_point(plan: Plan) -> FloatArray:
 
 
 def _advised(
-    message: str, hint: str, remedies: list[Remedy], points: FloatArray, what_if: WhatIf
+    message: str, hint: str, trials: Iterable[Plan], points: FloatArray, what_if: WhatIf
 ) -> Reason:
-    """Reason with remedies that the hint names: all of them whole, or a single one that is not.
+    """Reason with remedies that the hint names: all trials whole, or a single one that is not.
 
     Of that the next error's remedy, if it is known, is added to it.
     """
-    first, *others = remedies
-    named, error = hint.removesuffix("."), first.trial.error
+    first, *others = trials
+    own, *changes = (_change(what_if.scene, one.scene) for one in (first, *others))
+    named, error = hint.removesuffix("."), first.error
     if error is None:
-        changes = tuple(remedy.change for remedy in others)
-        return Reason(message, f"{named} (tested).", first.change, points, others=changes)
+        return Reason(message, f"{named} (tested).", own, points, others=tuple(changes))
     then = None
     if error.stage in _LATE:
-        then = _reason(first.trial.scene, first.trial, WhatIf(first.trial.scene))
+        then = _reason(first.scene, first, WhatIf(first.scene))
     if then is not None and then.change is not None:
-        change = _both(first.change, then.change)
+        change = _both(own, then.change)
         if what_if.plan_past("arm", **change):
             next_hint = f"{then.hint[0].lower()}{then.hint[1:]}"
             hint = f"{named}. With that, {next_hint}"
             return Reason(message, hint, change, points, moved=then.moved)
     but = error.message.removesuffix(".")
     hint = f"{named} (tested), but then: {but}."
-    return Reason(message, hint, first.change, points, is_whole=False)
+    return Reason(message, hint, own, points, is_whole=False)
+
+
+def _change(scene: Scene, trial: Scene) -> dict[str, Any]:
+    """Arguments of ``scene.replace`` for what trials change: ends, pitch and clearance."""
+    change: dict[str, Any] = {}
+    if trial.start != scene.start:
+        change["start"] = list(trial.start)
+    if trial.goal != scene.goal:
+        change["goal"] = list(trial.goal)
+    if trial.mesh.pitch != scene.mesh.pitch:
+        change["mesh"] = {"pitch": trial.mesh.pitch}
+    if trial.spline.clearance != scene.spline.clearance:
+        change["spline"] = {"clearance": trial.spline.clearance}
+    return change
 
 
 def _both(change: dict[str, Any], other: dict[str, Any]) -> dict[str, Any]:
