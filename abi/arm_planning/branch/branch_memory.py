@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from abi.arm_planning.branch.arm_branch import ArmBranch
-from abi.arrays import BoolArray, IntArray, read_only
+from abi.arrays import BoolArray, ByteArray, IntArray, read_only
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply
@@ -18,19 +16,9 @@ _NO_IDS = read_only(np.zeros(0, dtype=np.int32))
 _MANY = 50_000
 """Number of nodes from which they are tested together near a triangle mesh, which is quicker."""
 
-
-class _Known(NamedTuple):
-    """Nodes (n,) at which it is known whether the arm touches an obstacle, and where it does.
-
-    Of nothing known both are one flag.
-    """
-
-    obstacle: Obstacle
-    nodes: BoolArray
-    touching: BoolArray
-
-
-_NO_FLAGS = read_only(np.zeros(1, dtype=np.bool_))
+_NOT_ASKED = read_only(np.zeros(1, dtype=np.uint8))
+_TOUCHES = 2
+"""What is known of an obstacle at a node: 0 where nobody asked, 1 where it is not touched, or 2."""
 
 
 class BranchMemory:
@@ -48,7 +36,9 @@ class BranchMemory:
         self._state: tuple[object, ...] = ()
         self._reached: BoolArray = np.zeros(0, dtype=np.bool_)
         self._line_starts: BoolArray = np.zeros(0, dtype=np.bool_)
-        self._known: dict[int, _Known] = {}  # by identity: of thousands, to hash them takes long
+        # by identity, as to hash thousands takes long: what is known at each node, (n,)
+        self._known: dict[int, ByteArray] = {}
+        self._obstacles: dict[int, Obstacle] = {}
         self._touched: IntArray = np.zeros(
             0, dtype=np.int32
         )  # how many obstacles each node touches
@@ -68,7 +58,7 @@ class BranchMemory:
             a is not b and (isinstance(a, TetMesh) or a != b)
             for a, b in zip(state, self._state, strict=True)
         ):
-            self._state, self._known = state, {}
+            self._state, self._known, self._obstacles = state, {}, {}
             self._touched = np.zeros(len(mesh.points), dtype=np.int32)
             self._complete = np.ones(len(mesh.points), dtype=np.bool_)
             self._reached = branch.reached(mesh.points)
@@ -79,7 +69,7 @@ class BranchMemory:
         reached = self._reached & ~free.excluded
         self._ask(mesh, branch, moved, reached & (self._touched == 0))
         for one in moved.values():
-            self._complete &= self._known[id(one)].nodes
+            self._complete &= self._known[id(one)] > 0
         left = reached & (self._touched == 0) & ~self._complete
         if left.any():
             self._complete |= self._ask(mesh, branch, numbered, left)
@@ -89,33 +79,33 @@ class BranchMemory:
     def _forget_others(self, obstacles: ObstacleSet) -> None:
         """Forget obstacles that are gone; what is known of an equal one is kept."""
         asked = {id(one) for one in obstacles}
-        gone = [one for key, one in self._known.items() if key not in asked]
-        equal = {one.obstacle: one for one in gone}
+        gone = {key: one for key, one in self._obstacles.items() if key not in asked}
+        equal = {one: key for key, one in gone.items()}
         for obstacle in obstacles if gone else ():
             if id(obstacle) not in self._known and obstacle in equal:
-                known = self._known.pop(id(equal.pop(obstacle).obstacle))
-                self._known[id(obstacle)] = known._replace(obstacle=obstacle)
-        for known in gone:
-            if self._known.pop(id(known.obstacle), None) is not None:
-                self._touched -= known.touching
+                self._known[id(obstacle)] = self._known.pop(equal.pop(obstacle))
+                self._obstacles[id(obstacle)] = obstacle
+        for key in gone:
+            del self._obstacles[key]
+            if key in self._known:
+                self._touched -= self._known.pop(key) == _TOUCHES
 
     def _ask(
         self, mesh: TetMesh, branch: ArmBranch, obstacles: dict[int, Obstacle], left: BoolArray
     ) -> BoolArray:
         """Test what is not known of nodes ``left`` (n,); flags of those without a contact, (n,)."""
         for number, obstacle in obstacles.items():
-            known = self._known.get(id(obstacle), _Known(obstacle, _NO_FLAGS, _NO_FLAGS))
-            new = left & ~known.nodes
+            known = self._known.get(id(obstacle), _NOT_ASKED)
+            new = left & (known == 0)
             if new.any():
                 at_once = isinstance(obstacle, MeshShape) and len(mesh.points) > _MANY
                 tree = mesh.node_tree if at_once else None
                 touching = branch.touching(mesh.points, number, new, tree)
-                known = known._replace(nodes=known.nodes | new)
+                known = known + new + touching
                 if touching.any():
-                    known = known._replace(touching=known.touching | touching)
                     self._touched += touching
                     left = left & ~touching
-            self._known[id(obstacle)] = known
+            self._known[id(obstacle)], self._obstacles[id(obstacle)] = known, obstacle
         return left
 
 
