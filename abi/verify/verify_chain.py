@@ -213,15 +213,15 @@ def _rows(
 
 def _check_ends(chain: ExactChain, rows: Sequence[Sequence[Fraction]], scene: Scene) -> None:
     """Raise unless the first row is at the start and the last at the goal, as requested at both."""
-    metres = METRES[scene.unit]
+    metres, length = METRES[scene.unit], _length(chain, (rows[0], rows[-1]))
+    box = scene.workspace
+    room = max(Fraction(high) - Fraction(low) for low, high in zip(box.min, box.max, strict=True))
     slides = {one.name for one in scene.robot.joints if one.kind == "prismatic"}
     for name, row in zip(ENDS, (rows[0], rows[-1]), strict=True):
         frame, end = chain.place(row)[-1], getattr(scene.arm, name)
         place, _ = frame.place(_ORIGIN)
-        allowed = _REACHED * _length(chain, row) + Fraction(
-            0 if end is None else end.position_tolerance
-        )
-        allowed += _ROUNDED * max(map(abs, place))
+        allowed = _REACHED * length + Fraction(0 if end is None else end.position_tolerance)
+        allowed += _ROUNDED * max(map(abs, place)) + _TOLD * room
         away = sub(place, vector(getattr(scene, name)))
         if dot(away, away) > allowed * allowed:
             raise Fault(f"the tool tip is not at the {name}")
@@ -233,12 +233,12 @@ def _check_ends(chain: ExactChain, rows: Sequence[Sequence[Fraction]], scene: Sc
                 raise Fault(f"the joints are not those asked for at the {name}")
 
 
-def _length(chain: ExactChain, row: Sequence[Fraction]) -> Fraction:
-    """Bound of the chain's length from its first joint to the tip at coordinates, [unit]."""
+def _length(chain: ExactChain, rows: Sequence[Sequence[Fraction]]) -> Fraction:
+    """Bound of the chain's length from its first joint to the tip at some coordinates, [unit]."""
     above = chain.above(chain.before[-1])
     length = sum((sum(map(abs, chain.origins[k][:3, 3])) for k in (*above[:-1], -1)), Fraction(0))
     slides = [chain.joints[k] for k in above if chain.joints[k].kind == "prismatic"]
-    return length + sum(abs(chain.value(one, row)) for one in slides)
+    return length + sum(max(abs(chain.value(one, row)) for row in rows) for one in slides)
 
 
 def _tool(chain: ExactChain, row: Sequence[Fraction]) -> Vec3:
@@ -250,7 +250,7 @@ def _tolerance(chain: ExactChain, rows: Sequence[Sequence[Fraction]]) -> Fractio
     """Accepted error of the stated tool position, [unit]: that of floating point."""
     far = max(map(abs, _tool(chain, rows[0])))
     strokes = max(abs(at) for row in rows for at in row)
-    return _TOLD * (_length(chain, rows[0]) + far + strokes)
+    return _TOLD * (_length(chain, rows[:1]) + far + strokes)
 
 
 def _turned(frame: ExactFrame, wxyz: Quaternion) -> float:

@@ -61,7 +61,7 @@ def _no_faster_than_followers(root: XmlElement, joints: Sequence[Joint]) -> tupl
 def _is_past_limits(joint: Joint, master: Joint) -> bool:
     """Check whether a joint exceeds its limits while its master keeps its own, up to rounding."""
     span = joint.high - joint.low
-    if joint.kind == "continuous" or span == 0:
+    if joint.kind == "continuous" or joint.low == joint.high == 0:  # as where none are given
         return False
     ends = [joint.position(end) for end in (master.low, master.high)]
     return min(ends) < joint.low - _ROUNDED * span or max(ends) > joint.high + _ROUNDED * span

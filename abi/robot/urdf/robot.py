@@ -158,10 +158,8 @@ def meet(robot: Robot, first: str, second: str) -> bool:
     for link, other in ((first, second), (second, first)):
         moving = 0
         while link in above:
-            joint = above[link]
-            follows = joint.follows is not None  # wherever its own limits are
-            moving += joint.kind != "fixed" and (follows or joint.low < joint.high)
-            link = joint.parent
+            moving += _can_move(above[link])
+            link = above[link].parent
             if link == other:
                 return moving <= 1
             if robot.links[link].shapes:
@@ -178,7 +176,12 @@ def joints_between(robot: Robot, first: str, second: str) -> tuple[Joint, ...]:
             way |= {link: above[link]}
             link = above[link].parent
     apart = ways[0].keys() ^ ways[1].keys()
-    return tuple(one for one in robot.joints if one.child in apart and one.kind != "fixed")
+    return tuple(one for one in robot.joints if one.child in apart and _can_move(one))
+
+
+def _can_move(joint: Joint) -> bool:
+    """Check that a joint is not locked; own limits of one that follows another do not count."""
+    return joint.kind != "fixed" and (joint.follows is not None or joint.low < joint.high)
 
 
 def bases_to(robot: Robot, tip: str) -> tuple[str, ...]:

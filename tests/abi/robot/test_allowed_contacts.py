@@ -38,6 +38,7 @@ from abi.robot.bodies.always_touching import with_held
 from abi.robot.bodies.floor_contacts import floor_notes
 from abi.robot.bodies.held_links import held_notes
 from abi.robot.kinematics.chain import Chain
+from abi.robot.urdf.robot import joints_between
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
@@ -242,6 +243,12 @@ def test_what_is_fixed_beside_a_joint_is_no_neighbour_of_what_it_moves() -> None
     def reason(*links: str) -> object:
         return tree_reason(chain, (links[0], links[1]), (frames[links[0]], frames[links[1]]))
 
+    assert [one.name for one in joints_between(robot, "carriage", "lamp")] == ["rail", "turn"]
+    locked = [
+        replace(one, low=0.5, high=0.5) if one.name == "turn" else one for one in robot.joints
+    ]
+    (rail,) = joints_between(replace(robot, joints=tuple(locked)), "carriage", "lamp")
+    assert rail.name == "rail"
     assert reason("base", "post") == reason("base", "carriage") == "adjacent"
     assert reason("base", "lamp") == "adjacent"  # only a link without a shape is between
     assert reason("post", "carriage") is reason("post", "lamp") is None

@@ -307,17 +307,21 @@ def test_prefixes_that_nothing_declares_are_let_pass_and_broken_text_is_not() ->
         ('multiplier="2"', True),
         ('multiplier="1" offset="0.2"', True),
         ('multiplier="0.3" offset="0.2"', False),
+        ('multiplier="1" locked="0.3"', True),
+        ('multiplier="1" locked="0"', False),  # as where a limit has neither
     ],
 )
 def test_a_follower_that_its_master_takes_past_its_limits_is_told_of(
     follower: str, passes: bool
 ) -> None:
     limit = '<limit lower="-0.5" upper="0.5"/>'
+    follower, _, locked = follower.partition(" locked=")
+    own = f"<limit lower={locked} upper={locked}/>" if locked else limit
     ends = '<parent link="{}"/><child link="{}"/>'
     text = (
         '<robot name="r"><link name="a"/><link name="b"/><link name="c"/>'
         f'<joint name="m" type="prismatic">{ends.format("a", "b")}{limit}</joint>'
-        f'<joint name="f" type="prismatic">{ends.format("a", "c")}{limit}'
+        f'<joint name="f" type="prismatic">{ends.format("a", "c")}{own}'
         f'<mimic joint="m" {follower}/></joint></robot>'
     )
     notes = " ".join(read_of(text).notes)

@@ -271,16 +271,18 @@ def test_a_tip_in_its_only_joint_is_at_the_start_and_the_goal_up_to_rounding(gan
         '<axis xyz="0.6 0 0.8"/><limit lower="-2" upper="2" velocity="1" effort="1"/></joint>'
         "</robot>"
     )
+    base = [3.3, 1.7, 45.1]
     ends: dict[str, Any] = {"start": {"joints": {"p": -1.0}}, "goal": {"joints": {"p": -0.2}}}
     if gantry:  # slides that all stand in one point
-        slide = '<limit lower="0.2" upper="90" velocity="1" effort="1"/>'
+        slide = '<limit lower="0" upper="90" velocity="1" effort="1"/>'
         joints = [
             joint(a + b, a, b, "prismatic", axis, slide)
             for (a, b), axis in (("ab", "1 0 0"), ("bc", "0 0.8 0.6"), ("cd", "0 -0.6 0.8"))
         ]
         text = urdf(*(f'<link name="{name}"/>' for name in "abc"), link("d"), *joints)
         text = text.replace('0 0 0.4" rpy="0.3 0.2 0.1', "0 0 0")
-        ends = {"start": [90.0, 70.0, 110.0], "goal": [120.0, 60.0, 130.0]}
+        # and that are at 0 where the motion begins
+        ends = {"start": base, "goal": [120.0, 60.0, 130.0]}
     files = {"r.urdf": text.encode()}
     scene = Scene.from_dict(
         {
@@ -289,7 +291,7 @@ def test_a_tip_in_its_only_joint_is_at_the_start_and_the_goal_up_to_rounding(gan
             "workspace": {"min": [-200, -200, 0], "max": [200, 200, 200]},
             "mesh": {"pitch": 40},
             **ends,
-            "arm": {"model": "urdf", "urdf": "r.urdf", "base": [3.3, 1.7, 5.1], "axis": None},
+            "arm": {"model": "urdf", "urdf": "r.urdf", "base": base, "axis": None},
         },
         MeshSource(files),
     )
