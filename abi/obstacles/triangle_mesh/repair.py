@@ -126,6 +126,7 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     )
     count = len(sheets) + len(moved)
     folded = _folded(vertices, solids, size) if shells.notes and parts else 0
+    least = "At least " if folded and sum(map(len, solids)) > _MOST_FOLDED else ""
     if count and sum(map(len, solids)) + 2 * count <= most:
         folded += len(sheets)
         sheets = np.concatenate([sheets, moved])
@@ -137,7 +138,7 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
         solids, parts, folded = [np.concatenate([*solids, sheets, moved])], 0, 0
         notes = (*notes, whole)
     if folded:
-        told = counted(folded, "triangle")
+        told = least + counted(folded, "triangle")
         notes = (*notes, f"{told} no part of a solid: a thin shell, without an inside.")
     solids = [one[areas_of(vertices, one) > 0] for one in solids]
     # corners that a united part and a sheet both have are there twice
