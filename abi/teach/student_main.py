@@ -21,7 +21,18 @@ from typing import Any, TextIO
 from abi.teach.callers import CALLERS
 
 _REFUSED = frozenset(
-    {"ctypes.dlopen", "os.chmod", "os.chown", "os.exec", "os.fork", "os.forkpty", "os.kill"}
+    {
+        "ctypes.call_function",
+        "ctypes.dlopen",
+        "ctypes.dlsym",
+        "ctypes.dlsym/handle",
+        "os.chmod",
+        "os.chown",
+        "os.exec",
+        "os.fork",
+        "os.forkpty",
+        "os.kill",
+    }
     | {"os.killpg", "os.link", "os.mkdir", "os.posix_spawn", "os.remove", "os.rename", "os.rmdir"}
     | {"os.spawn", "os.startfile", "os.symlink", "os.system", "os.truncate", "os.utime"}
     | {"shutil.rmtree", "signal.pthread_kill", "sqlite3.connect", "subprocess.Popen"}
@@ -61,6 +72,12 @@ def main() -> None:
     for module, name in itertools.product((os, sys.modules[os.name]), _UNHEARD):
         if hasattr(module, name):
             setattr(module, name, _make_no_file)
+    with contextlib.suppress(ImportError):
+        import _posixsubprocess  # a part of subprocess, which tells of it
+        import subprocess
+
+        setattr(_posixsubprocess, "fork_exec", _start_no_program)  # noqa: B010
+        setattr(subprocess, "_fork_exec", _start_no_program)  # noqa: B010
     for answer_line in answers_of(job):
         _write(answers, word, answer_line)
 
@@ -180,6 +197,10 @@ def _refuse(event: str, arguments: tuple[Any, ...]) -> None:
 
 def _make_no_file(*_: Any, **__: Any) -> None:
     raise PermissionError(f"an exercise may not use {_WRITTEN}")
+
+
+def _start_no_program(*_: Any, **__: Any) -> None:
+    raise PermissionError("an exercise may not use other programs")
 
 
 if __name__ == "__main__":

@@ -166,9 +166,7 @@ def _by_value(module: ModuleType | None) -> Iterator[None]:
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """Kill the process and its children, unless it has ended."""
-    if process.poll() is not None:
-        return
+    """Kill the process and its children, also those that it has left behind."""
     with contextlib.suppress(OSError):
         if hasattr(os, "killpg"):
             os.killpg(process.pid, signal.SIGKILL)

@@ -30,18 +30,21 @@ _BODIES: dict[str, Body] = {
 
 _GAP = Fraction(1, 80)
 """Accepted gap before the gripper's capsules, over the forearm's length, as drawn ones have one."""
+_BEGINS = Fraction(2, 5)
+"""Least height at which the gripper begins, over the length beyond the sleeve."""
 _SAME = Fraction(1, 10**9)
 """Gap that counts as none, over a length."""
 _BENT, _ROUNDED = 2.9, 1e-6
 """Largest angle of the elbow, however slender its links are, and accepted error, [rad]."""
 
 
-def capsules_of(certificate: dict[str, Any], arm: ExactArm) -> list[ExactCapsule]:
+def capsules_of(certificate: dict[str, Any], arm: ExactArm, sleeve: Fraction) -> list[ExactCapsule]:
     """Capsules of a certificate, in their order.
 
     Args:
         certificate: as in a plan's JSON.
         arm: whose it is.
+        sleeve: distance of the sleeve's end from the elbow, [unit].
 
     Raises:
         SceneError: a field has the wrong form.
@@ -51,6 +54,9 @@ def capsules_of(certificate: dict[str, Any], arm: ExactArm) -> list[ExactCapsule
     capsules = [
         _capsule(mapping(field, one), arm) for one in list_of(field, certificate.get("capsules"))
     ]
+    begins = sleeve + _BEGINS * (arm.lower - sleeve)
+    if any(one.link == "gripper" and one.low < begins for one in capsules):
+        raise Fault("its gripper begins too near to the elbow")
     held = {one.link for one in capsules if not one.neighbour and not one.grips}
     for link in _BODIES:
         if link not in held:

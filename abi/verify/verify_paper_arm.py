@@ -88,8 +88,9 @@ def check_paper_arm(
     near = lru_cache(maxsize=None)(partial(_pose_near, arm, curve, slide))
     check_ends(curve, scene)
     check_tool(section, timing, arm, curve, slide)
-    capsules = capsules_of(certificate, arm)
-    check_bend(section["positions"], capsules, Fraction(settings.a4))
+    sleeve = Fraction(settings.a4)
+    capsules = capsules_of(certificate, arm, sleeve)
+    check_bend(section["positions"], capsules, sleeve)
     planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
     floor = ExactFloor(min(arm.base[2], Fraction(scene.workspace.min[2])))
     span = curve[0].start, curve[-1].end

@@ -36,8 +36,8 @@ _AT_ONCE = 100_000
 """Pairs of a point and a facet that are compared at a time, some 50 MB."""
 _POINTS = 600
 """Number of random points of each shape."""
-_FINEST, _MOST_CUTS = 2.0**-7, 4000
-"""Sides of triangles that are cut, over the size of their shape, and their number, at most."""
+_FINEST, _CUTS = 2.0**-7, (4000, 8)
+"""Sides of triangles that are not cut, over the size of their shape; cuts in all, or for each."""
 _Hull = tuple[FloatArray, float, scipy.spatial.ConvexHull | None]
 """Points (n, 3), the distance from their hull that belongs to it, and its facets; None if flat."""
 
@@ -226,7 +226,7 @@ def _parted(
         random: where points are.
     """
     size = np.ptp(triangles.reshape(-1, 3), axis=0).max() if len(triangles) else 0.0
-    finest, left = _FINEST * float(size), _MOST_CUTS
+    finest, left = _FINEST * float(size), max(_CUTS[0], _CUTS[1] * len(triangles))
     while True:
         parted = ~np.any(np.all(inside, axis=1), axis=1)
         triangles, inside = triangles[parted], inside[parted]

@@ -68,6 +68,18 @@ def _ignores(x: float) -> None:
             continue
 
 
+def _calls_c(x: float) -> float:
+    import ctypes
+
+    return float(ctypes.pythonapi.system(b"true"))
+
+
+def _starts_unheard(x: float) -> float:
+    import _posixsubprocess
+
+    return float(_posixsubprocess.fork_exec())  # type: ignore[call-arg]
+
+
 def _floods(x: float) -> str:
     return "x" * 20_000_000
 
@@ -94,6 +106,8 @@ def _prints(x: float) -> float:
         (_end, "ends the program"),
         (_fork, "may not use os.fork"),
         (_start, "may not use subprocess.Popen"),
+        (_calls_c, "may not use ctypes"),
+        (_starts_unheard, "may not use other programs"),
         (_floods, "returned more than"),
         (_recurses, "RecursionError"),
     ],

@@ -112,11 +112,11 @@ def seam(part: float) -> bool:
     for one in certificate["capsules"]:
         one["neighbour"] = one["grips"] = False
         whole = one["body"] in ("column", "upper_arm")
-        one["low"], one["high"], one["radius"] = 0.0, 6.0 if whole else 2.0, 0.5
+        one["low"], one["high"], one["radius"] = 0.0, 6.0 if whole else 4.0, 0.5
         if one["link"] == "gripper":
-            one["low"], one["high"] = 3.0 + part / 10, 8.0
+            one["low"], one["high"] = 5.0 + part / 10, 8.0
     try:
-        capsules_of(certificate, arm)
+        capsules_of(certificate, arm, Fraction(1))
     except Fault:
         return False
     return True

@@ -222,6 +222,13 @@ def test_no_capsule_may_be_less_than_its_link(
     assert reason in found.reason
 
 
+def test_the_gripper_begins_beyond_the_sleeve(honest: Data) -> None:
+    data = copy.deepcopy(honest)
+    for one in data["arm"]["certificate"]["capsules"]:
+        one["low"] *= 0.5 if one["link"] == "gripper" else 1.0
+    assert "gripper begins too near" in of_arm(data).reason
+
+
 def test_many_seams_are_a_gap(honest: Data) -> None:
     data = copy.deepcopy(honest)
     capsules = data["arm"]["certificate"]["capsules"]
@@ -243,7 +250,7 @@ def test_capsules_of_every_arm_leave_no_gap_and_limit_its_elbow(lengths: list[fl
     a1, a2, a3, a4, a5 = map(Fraction, lengths)
     exact = ExactArm((Fraction(0),) * 3, a1 + a2, a3, a4 + a5, 1)
     written = json.loads(json.dumps(arm.proof_data()))
-    capsules, bend = capsules_of(written, exact), float(arm.limits[2, 1])
+    capsules, bend = capsules_of(written, exact, a4), float(arm.limits[2, 1])
     assert len(capsules) == len(arm.capsules)
     check_bend([[0.0, 0.0, -bend]], capsules, a4)
     with pytest.raises(Fault, match="may touch"):
