@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
+from functools import lru_cache
 
 from websockets.http11 import Response
 
@@ -40,13 +41,11 @@ def secure(response: Response, headers: dict[str, str]) -> None:
 
 
 def _content_policy(policy: Policy) -> str:
-    scripts = _SCRIPT.findall(page_text())
-    digests = " ".join(f"'{digest}'" for digest in (*map(_digest, scripts), _CLIENT))
     return "; ".join(
         (
             "default-src 'self'",
             # eval: viser runs what the server sends as text, such as the tab's title
-            f"script-src 'self' {digests} 'unsafe-eval' 'wasm-unsafe-eval' blob:",
+            f"script-src 'self' {_digests(page_text())} 'unsafe-eval' 'wasm-unsafe-eval' blob:",
             "worker-src 'self' blob: data:",
             "style-src 'self' 'unsafe-inline'",
             "img-src 'self' data: blob:",
@@ -59,6 +58,11 @@ def _content_policy(policy: Policy) -> str:
             " ".join(("frame-ancestors 'self'", *policy.embedders)),
         )
     )
+
+
+@lru_cache(maxsize=2)  # to look through the page takes half as long as to start a server
+def _digests(page: str) -> str:
+    return " ".join(f"'{digest}'" for digest in (*map(_digest, _SCRIPT.findall(page)), _CLIENT))
 
 
 def _digest(script: str) -> str:
