@@ -20,6 +20,7 @@ from abi_sweep.row import Row
 from abi_sweep.study import Study, varied
 from abi_sweep.sweep import JOURNAL, sweep
 from abi_sweep.table import summary, write
+from tests.thorough import THOROUGH
 
 STUDY = Study.from_dict(
     {
@@ -61,7 +62,7 @@ def test_rows_are_the_plans(rows: list[Row]) -> None:
     assert {row["error"] for row in rows if row["scene"] == "no-way"} == {"no_path"}
 
 
-@pytest.mark.slow
+@pytest.mark.skipif(not THOROUGH, reason="those of a scheduler get and send the same")
 def test_two_dask_workers_find_the_same() -> None:
     # each of the two processes loads all that a plan needs
     few = Study.from_dict({"version": 1, "scenes": ["no-way", {"boxes": 3, "seeds": 3}]})

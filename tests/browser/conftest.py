@@ -112,7 +112,10 @@ class Tabs:
             page.click("Pause")
         if session.plan is None or session.plan.scene != PAPER:
             page.click("Scene")
-            page.click("Reset scene")
+            if session.panels.files.choice.value == "paper":
+                page.click("Reset scene")
+            else:
+                page.choose("scene", "paper")
             page.until(lambda: session.plan.scene == PAPER, "the scene as loaded")  # type: ignore[union-attr]
             page.click("Result")
         page.close_notices()
@@ -156,9 +159,7 @@ class Tabs:
 def _is_as_opened(session: Session) -> bool:
     """Check whether all that "Reset scene" leaves alone, but for the camera, is as in a new tab."""
     return (
-        session.panels.files.choice.value == "paper"
-        and session.panels.layer_switches.shown()
-        == {switch.name for switch in SWITCHES if switch.on}
+        session.panels.layer_switches.shown() == {switch.name for switch in SWITCHES if switch.on}
         and not session.panels.layer_switches.dark.value
         and session.panels.stages.visited_nodes() == 0
         and not session.panels.theatre.on.value

@@ -18,6 +18,7 @@ from playwright.sync_api import Browser
 from tests.app.fake_tab import until
 from tests.browser.page import Page
 from tests.ports import free_port
+from tests.thorough import THOROUGH
 
 SECRET = "of Jupyter"
 
@@ -61,7 +62,7 @@ def _answer(port: int, path: str, token: str = SECRET) -> tuple[int, str] | None
     return None
 
 
-@pytest.mark.slow
+@pytest.mark.skipif(not THOROUGH, reason="test_hosting shows the page behind another proxy")
 def test_jupyter_has_a_tile_and_shows_the_page(chromium: Browser, jupyter: int) -> None:
     answer = _answer(jupyter, "/server-proxy/servers-info")
     assert answer is not None

@@ -16,6 +16,7 @@ from app.state.appearance import Appearance
 from app.tab.session import Session
 from tests.browser import drawn
 from tests.browser.page import Page
+from tests.thorough import of_each_kind
 
 _LETTERS = "parseFloat(getComputedStyle(document.querySelector('.abi-numbers b')).fontSize)"
 _WIDTH = "window.__viserMutable.canvas.getBoundingClientRect().width"
@@ -101,7 +102,7 @@ def _is_under_the_mouse(page: Page, gizmo: str) -> bool:
     return math.dist(before, page.pixel(gizmo)) < 10
 
 
-@pytest.mark.parametrize("touched", ["a button", "the obstacle"])
+@pytest.mark.parametrize("touched", of_each_kind(["a button", "the obstacle"], "the obstacle"))
 def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: str) -> None:
     paper = abi.load_scene("paper")
     server = start(port=0, scene="paper", look=Appearance(plain=True, demo=True))
