@@ -6,11 +6,14 @@ are bounded from both sides.
 
 from __future__ import annotations
 
+import bisect
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -217,10 +220,12 @@ def exact_quadratic(start: Fraction, end: Fraction, c0: Vec3, c1: Vec3, c2: Vec3
 def hull(curve: ExactCurve, start: Fraction, end: Fraction) -> list[Vec3]:
     """Points whose convex hull contains the curve from ``start`` to ``end``."""
     points: list[Vec3] = []
-    for span in curve:
+    first = bisect.bisect_right(curve, start, key=attrgetter("end"))
+    for span in itertools.islice(curve, first, None):
         a, b = max(span.start, start), min(span.end, end)
-        if a < b:
-            points += _points(span, a, b)
+        if a >= b:
+            break
+        points += _points(span, a, b)
     return points
 
 
