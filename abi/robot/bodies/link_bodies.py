@@ -37,33 +37,20 @@ _HEAVY = 1e3
 """Weight of that parts of a point add up to one, beside the place that they are to give."""
 
 
-class _Fit(NamedTuple):
-    """How closely bodies hold a shape.
-
-    Attributes:
-        parts: pieces of a shape, at most.
-        much: a piece is cut where that saves this part of the whole volume, too, ...
-        least: ... and a cut must save this part of it.
-        corners: of a hull, at most, and in any case those that it needs to have a volume; None for
-            all corners of its piece, and nothing around it.
-        fine: distance of a piece's corners from a hull of fewer corners that is let pass, over its
-            least extent.
-    """
-
-    parts: int
-    much: float
-    least: float
-    corners: int | None
-    fine: float
-
-
 Fit = Literal["quick", "finer", "close"]
-
-_FITS: dict[Fit, _Fit] = {
-    "quick": _Fit(6, 0.05, 0.03, corners=64, fine=0.004),
-    "finer": _Fit(12, 0.02, 0.01, corners=320, fine=0.0005),
-    "close": _Fit(24, 1e-3, 5e-4, corners=None, fine=0.0),
-}
+"""How closely bodies hold a shape."""
+_MOST_PARTS: dict[Fit, int] = {"quick": 6, "finer": 12, "close": 24}
+"""Pieces of a shape, at most."""
+_MUCH: dict[Fit, float] = {"quick": 0.05, "finer": 0.02, "close": 1e-3}
+"""A piece is cut where that saves this part of the whole volume, too, ..."""
+_LEAST: dict[Fit, float] = {"quick": 0.03, "finer": 0.01, "close": 5e-4}
+"""... and a cut must save this part of it."""
+_MOST_CORNERS: dict[Fit, int] = {"quick": 64, "finer": 320}
+"""Corners of a hull, at most, and in any case those that it needs to have a volume; a close one has
+all corners of its piece, and nothing around it."""
+_FINE: dict[Fit, float] = {"quick": 0.004, "finer": 0.0005}
+"""Distance of a piece's corners from a hull of fewer corners that is let pass, over its least
+extent."""
 
 
 class Body(NamedTuple):
@@ -100,13 +87,13 @@ def link_bodies(link: Link, fit: Fit = "quick") -> tuple[Body, ...]:
         fit: how closely: by few pieces with few corners, by more, or by many with all corners.
     """
     if all(shape.kind == "sphere" for shape in link.shapes):
-        return _fitted(link, _FITS[fit])
+        return _fitted(link, fit)
     key = body_store.key_of(link.shapes, (__file__, bounding_capsules.__file__))
     key += "" if fit == "quick" else f"-{fit}"
     kept = body_store.find(key)
     if kept is not None:
         return tuple(map(_unpacked, kept))
-    bodies = _fitted(link, _FITS[fit])
+    bodies = _fitted(link, fit)
     body_store.keep(key, [_packed(one) for one in bodies])
     return bodies
 
@@ -123,7 +110,7 @@ def _unpacked(numbers: FloatArray) -> Body:
     return Body(ends, float(numbers[6]), points, float(numbers[7]))
 
 
-def _fitted(link: Link, fit: _Fit) -> tuple[Body, ...]:
+def _fitted(link: Link, fit: Fit) -> tuple[Body, ...]:
     groups = [[shape] for shape in link.shapes]
     if len(groups) > _MOST:
         groups = [list(link.shapes)]
@@ -178,9 +165,9 @@ def bodies_beside(link: Link, way: OpenWay) -> tuple[Body, ...]:
     beside, between = way.parts(triangles_of(link))
     before = (between @ way.direction < way.low).all(axis=1)
     groups = [*beside, between[before], between[~before]]
-    axes, fit = way.sides[[0, 2], :3], _FITS["close"]
-    parts = [part for one in groups if len(one) for part in _parts(one, _FITS["quick"], axes)]
-    bodies = tuple(_body(part, fit) for part in parts)
+    axes = way.sides[[0, 2], :3]
+    parts = [part for one in groups if len(one) for part in _parts(one, "quick", axes)]
+    bodies = tuple(_body(part, "close") for part in parts)
     body_store.keep(key, [_packed(one) for one in bodies])
     return bodies
 
@@ -190,7 +177,7 @@ def triangles_of(link: Link) -> FloatArray:
     return np.concatenate([_triangles(shape) for shape in link.shapes])
 
 
-def _bodies_of(shapes: list[LinkShape], fit: _Fit) -> list[Body]:
+def _bodies_of(shapes: list[LinkShape], fit: Fit) -> list[Body]:
     """Bodies around shapes that belong together; a sphere stays the ball that it is."""
     if len(shapes) == 1 and shapes[0].kind == "sphere":
         centre, radius = read_only(shapes[0].pose[None, :3, 3]), shapes[0].size[0] * (1 + _PAD)
@@ -199,14 +186,14 @@ def _bodies_of(shapes: list[LinkShape], fit: _Fit) -> list[Body]:
     return [_body(part, fit) for part in _parts(triangles, fit)]
 
 
-def _body(points: FloatArray, fit: _Fit) -> Body:
+def _body(points: FloatArray, fit: Fit) -> Body:
     """The body around points (n, 3)."""
     corners, rounding = _corners_of(points, fit)
     pad = _PAD * (1e-3 + float(np.abs(corners).max()))
     return Body(*smallest_capsule(points), read_only(corners), rounding + pad)
 
 
-def _corners_of(points: FloatArray, fit: _Fit) -> tuple[FloatArray, float]:
+def _corners_of(points: FloatArray, fit: Fit) -> tuple[FloatArray, float]:
     """Corners (k, 3) of points' hull, and the farthest that one of the points is from their hull.
 
     Those corners are taken, one by one, that are farthest outside of the hull of those before; all
@@ -214,15 +201,15 @@ def _corners_of(points: FloatArray, fit: _Fit) -> tuple[FloatArray, float]:
     """
     try:
         corners = points[scipy.spatial.ConvexHull(points).vertices]
-        if fit.corners is None:
+        if fit == "close":
             return corners, 0.0
-        fine = fit.fine * float(np.ptp(corners @ principal_axes(corners).T, axis=0).min())
+        fine = _FINE[fit] * float(np.ptp(corners @ principal_axes(corners).T, axis=0).min())
         chosen = {int(np.argmax(corners @ way)) for way in _WAYS}
         while True:
             sides = scipy.spatial.ConvexHull(corners[sorted(chosen)]).equations
             outside = (corners @ sides[:, :3].T + sides[:, 3]).max(axis=1)
             farthest = int(outside.argmax())
-            if outside[farthest] <= fine or len(chosen) >= fit.corners or farthest in chosen:
+            if outside[farthest] <= fine or len(chosen) >= _MOST_CORNERS[fit] or farthest in chosen:
                 break
             chosen.add(farthest)
     except scipy.spatial.QhullError:
@@ -243,7 +230,7 @@ _WAYS = np.array([way for way in itertools.product((-1.0, 0.0, 1.0), repeat=3) i
 """Directions in which a hull's first corners are sought."""
 
 
-def _parts(triangles: FloatArray, fit: _Fit, axes: FloatArray | None = None) -> list[FloatArray]:
+def _parts(triangles: FloatArray, fit: Fit, axes: FloatArray | None = None) -> list[FloatArray]:
     """Points (n, 3) of each part of triangles, as few parts as are worth it.
 
     All cuts are across two ``axes`` (2, 3), the two longest if none are given. Where two planes
@@ -251,19 +238,19 @@ def _parts(triangles: FloatArray, fit: _Fit, axes: FloatArray | None = None) -> 
     what is inside, too.
     """
     whole = _volume(triangles.reshape(-1, 3))
-    if _filled(triangles) > (1 - fit.much) * whole:
+    if _filled(triangles) > (1 - _MUCH[fit]) * whole:
         return [triangles.reshape(-1, 3)]
     parts = [(triangles, whole)]
     axes = principal_axes(triangles.reshape(-1, 3))[:2] if axes is None else axes
     halves = [_halves(parts[0], axes)]
-    while len(parts) < fit.parts:
+    while len(parts) < _MOST_PARTS[fit]:
         gains = [
             volume - sum(of_half for _, of_half in both)
             for (_, volume), both in zip(parts, halves, strict=True)
         ]
         best = int(np.argmax(gains))
-        enough = min((1 - _WORTH) * parts[best][1], fit.much * whole)
-        if gains[best] <= max(enough, fit.least * whole):
+        enough = min((1 - _WORTH) * parts[best][1], _MUCH[fit] * whole)
+        if gains[best] <= max(enough, _LEAST[fit] * whole):
             break
         both = halves[best]
         parts[best : best + 1] = both

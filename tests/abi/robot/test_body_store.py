@@ -55,9 +55,7 @@ def test_a_folder_that_cannot_be_written_costs_time_alone(
 ) -> None:
     (tmp_path / "abi-visualiser").write_bytes(b"a file, not a folder")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert numbers(made_again(LINK)) == numbers(
-        link_bodies._fitted(LINK, link_bodies._FITS["quick"])
-    )
+    assert numbers(made_again(LINK)) == numbers(link_bodies._fitted(LINK, "quick"))
 
 
 def test_the_oldest_files_make_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
