@@ -7,7 +7,6 @@ uncompiled it runs on lists. Waypoints are in [unit], world.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -28,26 +27,8 @@ from abi.search.taut.tighten_kernels import (
 )
 
 _SUPPORT = 0.02  # the part of a squared length that counts as none: edges are round, in fact
-
-
-class PathSearchEffort(NamedTuple):
-    """Limits of the search for short paths.
-
-    Attributes:
-        samples: waypoints evenly apart on each edge.
-        slack: ratio to the shortest length so far up to which a path by waypoints is tightened.
-        paths: number of paths by waypoints.
-        least_gain: part of the length that a cut corner must gain.
-        weight: of the distance to go in the search for such paths; they may be longer by that.
-        sights: lines of sight that this search may test; what was found until then counts.
-    """
-
-    samples: int
-    slack: float
-    paths: int
-    least_gain: float
-    weight: float
-    sights: int
+_SLACK = 1.015  # ratio to the shortest length so far up to which a path by waypoints is tightened
+_LEAST_GAIN = 5e-6  # part of the length that a cut corner must gain
 
 
 @jitable
@@ -154,7 +135,9 @@ def short_paths(
     edges: FloatArray,
     space: FreeSpace,
     most: float,
-    effort: PathSearchEffort,
+    paths: int,
+    weight: float,
+    sights: int,
 ) -> list[int]:
     """Short paths from the first waypoint to the second by waypoints that see each other.
 
@@ -169,22 +152,20 @@ def short_paths(
         edges: (12 e,) both ends of each and the normals of its faces, [unit], world.
         space: free space.
         most: length that the paths must be below, [unit].
-        effort: how much is tried.
+        paths, weight, sights: as for :func:`taut_paths`.
 
     Returns:
         Indices of the paths, one after the other, each from 0 to 1 (m,); empty when there is none.
     """
     solids, margins = space.solids, space.margins
-    weight = effort.weight
     cost = [math.inf] * len(waypoints)
     parent = [0] * len(waypoints)
     to_go = [distance(waypoint, waypoints[1]) for waypoint in waypoints]
     unexpanded = list(range(2, len(waypoints)))
     lasts = [0] * 0
     guess = -1
-    sights = 0
     node, cost[0] = 0 if to_go[0] < most else -1, 0.0
-    while node >= 0 and len(lasts) < effort.paths and sights < effort.sights:
+    while node >= 0 and len(lasts) < paths and sights > 0:
         here, so_far = waypoints[node], cost[node]
         if _supports(edges, labels[node], sub(waypoints[1], here)) and is_clear(
             space, kind_of(node, 1, 1), here, waypoints[1]
@@ -207,7 +188,7 @@ def short_paths(
                 and _supports(edges, labels[last], d)
                 and _supports(edges, labels[i], d)
             ):
-                sights += 1
+                sights -= 1
                 # a solid that blocked one line is likely to block the next one too
                 blocking = blocker(solids, margins, first, guess, here, waypoints[i])
                 if blocking >= 0:
@@ -251,13 +232,16 @@ def _add(path: list[Vec3], points: list[Vec3], ends: list[int], lengths: list[fl
     lengths.append(length_of(path))
 
 
-@compiled(example=(FLOATS, IDS, FLOATS, SPACE, PathSearchEffort(1, 1.0, 1, 1e-6, 1.0, 1)))
+@compiled(example=(FLOATS, IDS, FLOATS, SPACE, 1, 1, 1.0, 1))
 def taut_paths(
     given: FloatArray,
     begins: IntArray,
     edges: FloatArray,
     space: FreeSpace,
-    effort: PathSearchEffort,
+    samples: int,
+    paths: int,
+    weight: float,
+    sights: int,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Tighten paths, and short ones by waypoints on the edges; cut the corners of the best.
 
@@ -270,7 +254,10 @@ def taut_paths(
         edges: both ends of each edge, one after the other, flat (12 e,), see
             ``obstacle_edges``.
         space: free space.
-        effort: how much is tried.
+        samples: waypoints evenly apart on each edge.
+        paths: number of paths by waypoints.
+        weight: of the distance to go in the search for such paths; they may be longer by that.
+        sights: lines of sight that this search may test; what was found until then counts.
 
     Returns:
         The new paths, one after the other (m, 3), [unit], world; where each begins, and where the
@@ -281,16 +268,16 @@ def taut_paths(
     for k in range(len(begins) - 1):
         path = [vec3_at(given, 3 * i) for i in range(begins[k], begins[k + 1])]
         _add(tighten(path, space, math.inf), points, ends, lengths)
-    most = effort.slack * min(lengths)
-    waypoints, labels = edge_waypoints(edges, start, goal, effort.samples, most, space)
+    most = _SLACK * min(lengths)
+    waypoints, labels = edge_waypoints(edges, start, goal, samples, most, space)
     path = [start][:0]
-    for node in short_paths(waypoints, labels, edges, space, most, effort):
+    for node in short_paths(waypoints, labels, edges, space, most, paths, weight, sights):
         path.append(waypoints[node])
         if node == 1:
-            if length_of(path) <= effort.slack * min(lengths):
+            if length_of(path) <= _SLACK * min(lengths):
                 _add(tighten(path, space, math.inf), points, ends, lengths)
             path.clear()
     for k in _shortest(lengths):
         path = points[ends[k] : ends[k + 1]]
-        _add(tighten(path, space, effort.least_gain), points, ends, lengths)
+        _add(tighten(path, space, _LEAST_GAIN), points, ends, lengths)
     return np.array(points), np.array(ends), np.array(lengths)

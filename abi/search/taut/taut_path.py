@@ -20,7 +20,7 @@ from abi.search.build_graph import REACH
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
 from abi.search.taut.obstacle_edges import obstacle_edges
-from abi.search.taut.taut_kernels import PathSearchEffort, taut_paths
+from abi.search.taut.taut_kernels import taut_paths
 from abi.search.taut.theta_star_kernels import any_angle
 from abi.search.taut.tighten_kernels import FreeSpace
 from abi.search.taut.tighten_near_meshes import tighten_near_meshes
@@ -33,20 +33,12 @@ _PAD = 1e-13
 """Relative distance, over the largest coordinate, that the kernels keep in addition, for their
 rounding."""
 
-_EFFORT = PathSearchEffort(
-    samples=5, slack=1.015, paths=6, least_gain=5e-6, weight=1.0, sights=100_000
-)
-
 _FEW = 32
 """Number of convex obstacles above which work is bounded instead of the path's excess.
 
 In 60 crowds of 50 to 400 that fill up to half of the workspace, paths were longer by 0.1 % in the
 mean than without these bounds, and by 1.7 % in one.
 """
-
-_CROWD_EFFORT = PathSearchEffort(
-    samples=3, slack=1.015, paths=3, least_gain=5e-6, weight=1.02, sights=5_000
-)
 
 _MOST_NEAR = 64
 """Most convex obstacles of a crowd around whose edges paths may bend: those nearest to the path."""
@@ -156,9 +148,10 @@ def _past_primitives(
     edges = obstacle_edges(near, float(margins[0].max(initial=0)), (x, y, z))
     corners = tuple(low.tolist()), tuple(high.tolist())
     space = FreeSpace(obstacles.packed, packed_margins, *corners)
-    packed = flat(np.concatenate(given))
+    samples, paths, weight, sights = (3, 3, 1.02, 5_000) if crowd else (5, 6, 1.0, 100_000)
     points, ends, lengths = taut_paths(
-        packed, read_only(begins), edges, space, _CROWD_EFFORT if crowd else _EFFORT
+        *(flat(np.concatenate(given)), read_only(begins), edges, space),
+        *(samples, paths, weight, sights),
     )
     return [points[ends[k] : ends[k + 1]] for k in np.argsort(lengths)]
 

@@ -21,7 +21,7 @@ from abi.scene.settings import Workspace
 from abi.search.taut.geodesic_kernels import around_ball, solid_bounds
 from abi.search.taut.lower_bound import Bound, lower_bound
 from abi.search.taut.obstacle_edges import obstacle_edges
-from abi.search.taut.taut_kernels import PathSearchEffort, taut_paths
+from abi.search.taut.taut_kernels import taut_paths
 from abi.search.taut.tighten_kernels import FreeSpace
 from tests.abi import meshes
 from tests.abi.bezier import polyline
@@ -43,14 +43,11 @@ def _tightened(path: FloatArray, solids: tuple[Primitive, ...]) -> float:
     edges = obstacle_edges(solids, CLEARANCE, (x, y, z))
     limits = read_only(np.full(4 * len(solids), CLEARANCE))
     space = FreeSpace(pack(solids), limits, (-20.0, -20.0, -20.0), (20.0, 20.0, 20.0))
-    effort = PathSearchEffort(
-        samples=21, slack=1.5, paths=30, least_gain=1e-7, weight=1.0, sights=10**9
-    )
     length = math.inf
     pull: Any = taut_paths
     for _ in range(20):
         begins = read_only(np.array([0, len(path)], dtype=np.int32))
-        found, begins, lengths = pull(flat(path), begins, edges, space, effort)
+        found, begins, lengths = pull(flat(path), begins, edges, space, 21, 30, 1.0, 10**9)
         best = int(np.argmin(lengths))
         path = found[begins[best] : begins[best + 1]]
         if lengths[best] > (1 - 1e-5) * length:

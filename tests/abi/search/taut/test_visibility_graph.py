@@ -73,8 +73,8 @@ def test_paths_by_waypoints_are_the_shortest(bodies: list[dict[str, Any]], seed:
     waypoints: Any = list(map(tuple, vertices.tolist()))
 
     edges: Any = [0.0] * 48  # without normals, so that every line counts
-    effort = visibility.PathSearchEffort(0, 1.0, paths=5, least_gain=0.0, weight=1.0, sights=10**9)
-    nodes = visibility.short_paths(waypoints, labels, edges, space, 1e9, effort)
+    effort = 5, 1.0, 10**9
+    nodes = visibility.short_paths(waypoints, labels, edges, space, 1e9, *effort)
 
     # Floyd and Warshall on the whole visibility graph
     n = len(vertices)
@@ -105,7 +105,7 @@ def test_paths_by_waypoints_are_the_shortest(bodies: list[dict[str, Any]], seed:
     assert len(set(sequences)) == len(sequences)
     # a path must be shorter than asked
     shorter = lengths[0] * (1 - 1e-9)
-    assert len(visibility.short_paths(waypoints, labels, edges, space, shorter, effort)) == 0
+    assert len(visibility.short_paths(waypoints, labels, edges, space, shorter, *effort)) == 0
 
 
 @pytest.mark.slow
