@@ -106,7 +106,8 @@ def _split(
     if inward.any():
         turned = inward[label]
         faces[turned] = faces[turned, ::-1]
-        what = "The surface was" if count == 1 else f"{inward.sum()} of its {count} parts were"
+        parts = int(closed.sum())  # sheets are from both sides what they are
+        what = "The surface was" if parts == 1 else f"{inward.sum()} of its {parts} parts were"
         notes.append(f"{what} inside out and turned. Hollows inside count as solid.")
     return faces, label.astype(np.int32), closed, tuple(notes)
 
