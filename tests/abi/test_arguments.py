@@ -406,7 +406,7 @@ def plain(found: Any) -> list[Any]:
     if isinstance(found, np.ndarray | int | float | np.generic):
         return [np.asarray(found)]
     if dataclasses.is_dataclass(found):
-        found = vars(found).values()
+        found = [one for one in vars(found).values() if one is not None]
     return [part for one in found for part in plain(one)]
 
 
