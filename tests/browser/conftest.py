@@ -14,6 +14,7 @@ from app.server.server import Server, start
 from app.state.appearance import PLAIN
 from app.state.legend import SWITCHES
 from app.tab.session import Session
+from app.ui.page import uuid
 from tests.browser import drawn
 from tests.browser.page import FLAGS, Page
 
@@ -111,13 +112,16 @@ class Tabs:
         if session.playback.playing:
             page.click("Pause")
         if session.plan is None or session.plan.scene != PAPER:
-            page.click("Scene")
-            if session.panels.files.choice.value == "paper":
-                page.click("Reset scene")
+            files = session.panels.files
+            if files.choice.value == "paper":  # to press it would take the page ten times as long
+                button, pressed = uuid(files.reset), {"value": True}
+                page.send({"type": "GuiUpdateMessage", "uuid": button, "updates": pressed})
             else:
+                page.click("Scene")
                 page.choose("scene", "paper")
             page.until(lambda: session.plan.scene == PAPER, "the scene as loaded")  # type: ignore[union-attr]
-            page.click("Result")
+            if not page.is_open("Result"):
+                page.click("Result")
         page.close_notices()
         page.until(lambda: page.complaints() == [], "no complaint")
         page.until(lambda: drawn.shows(page, session.plan), "the first picture")
