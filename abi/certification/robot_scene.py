@@ -22,6 +22,8 @@ _OF_ONE_ROBOT = (
 """Fields of an arm that mean nothing for another one."""
 _ROOM = 100.0
 """Half of the room that a robot alone has around it, over its length: motions may pass limits."""
+_MOST = 1e6
+"""Largest half of a room, [m], as scenes have no larger numbers."""
 
 
 def robot_scene(robot: str | Path | None, scene: Scene | None = None) -> Scene:
@@ -74,7 +76,8 @@ def _files(robot: str) -> tuple[str, dict[str, Robot]]:
 
 def _alone(name: str, files: dict[str, Robot]) -> Scene:
     """A robot at the origin of a room that it cannot leave, whose floor it cannot reach."""
-    half = _ROOM * max(_length(load_robot(name, MeshSource(files))), 0.1)
+    length = max(_length(load_robot(name, MeshSource(files))), 0.1)
+    half = min(_ROOM * length, _MOST)
     return Scene.from_dict(
         {
             "version": 1,

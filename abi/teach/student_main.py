@@ -8,6 +8,7 @@ mischief from succeeding; they are no wall against somebody who wants to break o
 from __future__ import annotations
 
 import contextlib
+import importlib
 import itertools
 import json
 import os
@@ -41,6 +42,8 @@ _REFUSED = frozenset(
 """Audit events that no exercise needs."""
 _UNHEARD = "mkfifo", "mknod"
 """Functions of ``os`` that make files without an audit event."""
+_STARTER = "_posixsubprocess"
+"""A part of :mod:`subprocess` that starts programs without an audit event."""
 _NETWORK = "socket."
 _WRITTEN = "files to write to"
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
@@ -68,16 +71,15 @@ def main() -> None:
 
     _leave_the_network(ctypes)
     _restrict(memory, answer, seconds)
+    with contextlib.suppress(ImportError):
+        import subprocess
+
+        setattr(importlib.import_module(_STARTER), "fork_exec", _start_no_program)  # noqa: B010
+        setattr(subprocess, "_fork_exec", _start_no_program)  # noqa: B010
     sys.addaudithook(_refuse)
     for module, name in itertools.product((os, sys.modules[os.name]), _UNHEARD):
         if hasattr(module, name):
             setattr(module, name, _make_no_file)
-    with contextlib.suppress(ImportError):
-        import _posixsubprocess  # a part of subprocess, which tells of it
-        import subprocess
-
-        setattr(_posixsubprocess, "fork_exec", _start_no_program)  # noqa: B010
-        setattr(subprocess, "_fork_exec", _start_no_program)  # noqa: B010
     for answer_line in answers_of(job):
         _write(answers, word, answer_line)
 
@@ -190,6 +192,8 @@ def _refuse(event: str, arguments: tuple[Any, ...]) -> None:
         writes = isinstance(mode, str) and any(letter in mode for letter in "wax+")
         if not writes and not (isinstance(flags, int) and flags & _WRITING):
             return
+    elif event == "import" and arguments[0] == _STARTER:  # anew, without what was changed in it
+        _start_no_program()
     elif event not in _REFUSED and not event.startswith(_NETWORK):
         return
     raise PermissionError(f"an exercise may not use {_WRITTEN if event == 'open' else event}")

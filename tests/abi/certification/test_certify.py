@@ -453,6 +453,16 @@ def test_a_robot_alone_has_no_floor_in_its_reach(tmp_path: Path, meshed: bool) -
     assert not any("floor" in note for note in verdict.to_dict()["notes"])
 
 
+def test_a_robot_alone_may_slide_without_limits(tmp_path: Path) -> None:
+    far = '<limit lower="-1000" upper="1000" velocity="1" effort="9"/>'
+    links, names = "abcdefg", [f"s{k}" for k in range(6)]
+    ends = zip(names, links[:-1], links[1:], strict=True)
+    slides = [joint(*one, "prismatic", "0 0 1", far) for one in ends]
+    (tmp_path / "a.urdf").write_text(urdf(*map(link, links), *slides))
+    stages = np.array([np.arange(1.0, 7.0), np.arange(1.1, 7.1)])
+    assert abi.certify(tmp_path / "a.urdf", names, [0, 1], stages).state == "clear"
+
+
 @pytest.mark.parametrize("arm", [{}, {"model": "urdf", "urdf": "ur5e"}, {"a3": 1.1}])
 def test_a_robot_stands_where_the_scene_says_whatever_its_own_arm_is(arm: dict[str, Any]) -> None:
     box = {"shape": "box", "size": [0.2, 0.2, 0.2], "position": [1.0, 0.0, 0.6]}
