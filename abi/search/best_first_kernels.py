@@ -37,8 +37,8 @@ WIDTH = 4 / (BUCKETS - 4)
 """Of the largest weight: how wide a bucket is."""
 
 
-class _Arrays(NamedTuple):
-    """What a search works in: labels of the nodes, and a ring of buckets, each a linked list.
+class _Search(NamedTuple):
+    """What a search works in: labels of the nodes, a ring of buckets, each a linked list; counts.
 
     Attributes:
         cost, parent: (n,) of the nodes.
@@ -51,6 +51,12 @@ class _Arrays(NamedTuple):
             half cells, packed, as to find it by the id again takes longer; of rows it has no
             meaning.
         order: nodes that were expanded, in order.
+        used: entries of the queue, those that are out of it included.
+        waiting: entries in it.
+        current: the bucket, counted from the first of all.
+        expanded: nodes expanded.
+        relaxed: edges examined.
+        found: whether the goal was taken out of the queue.
     """
 
     cost: FloatArray
@@ -60,28 +66,12 @@ class _Arrays(NamedTuple):
     first: IntArray
     entries: NDArray[np.int64]
     order: IntArray
-
-
-class _Progress(NamedTuple):
-    """Counts of a search.
-
-    Attributes:
-        used: entries of the queue, those that are out of it included.
-        waiting: entries in it.
-        current: the bucket, counted from the first of all.
-        expanded: nodes expanded.
-        relaxed: edges examined.
-        found: whether the goal was taken out of the queue.
-        done: whether nothing is left to do.
-    """
-
     used: int
     waiting: int
     current: int
     expanded: int
     relaxed: int
     found: bool
-    done: bool
 
 
 @compiled(example=EXAMPLE)
@@ -113,34 +103,43 @@ def best_first(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
     if shape.kind != CSR:
         entries[1] = _packed(cell(shape, start))
     slack = _slack(problem)
-    progress = _Progress(1, 1, 0, 0, 0, False, False)
+    used, waiting, current, expanded, relaxed, found = 1, 1, 0, 0, 0, False
     while True:
-        arrays = _Arrays(cost, parent, closed, left, first, entries, order)
-        progress = _expand(problem, slack, arrays, progress)
-        if progress.done:
+        search = _Search(
+            *(cost, parent, closed, left, first, entries, order),
+            *(used, waiting, current, expanded, relaxed, found),
+        )
+        used, waiting, current, expanded, relaxed, found, done = _expand(problem, slack, search)
+        if done:
             break
         order = np.concatenate((order, np.empty_like(order)))
         entries = np.concatenate((entries, np.empty_like(entries)))
-    expanded = progress.expanded
-    if progress.found:
+    if found:
         order[expanded] = goal
         expanded += 1
-    return cost, parent, order[:expanded], progress.relaxed
+    return cost, parent, order[:expanded], relaxed
 
 
 @jitable
-def _expand(problem: Problem, slack: float, arrays: _Arrays, progress: _Progress) -> _Progress:
+def _expand(
+    problem: Problem, slack: float, search: _Search
+) -> tuple[int, int, int, int, int, bool, bool]:
     """Expand nodes until the search is done, or the queue or the order is full.
 
     With the growth of arrays in the same loop, they would be counted in and out at each turn.
+
+    Returns:
+        The counts of the search, in their order there, and whether nothing is left to do.
     """
     adjacency, open_directions = problem.adjacency, problem.open_directions
     weights, link_weights = problem.weights, problem.link_weights
     tails, heads = problem.tails, problem.heads
     start, goal, largest, metric = problem.start, problem.goal, problem.largest, problem.metric
     shape, offsets, steps, places, indptr, indices = adjacency
-    cost, parent, closed, left, first, entries, order = arrays
-    used, waiting, current, expanded, relaxed, found, done = progress
+    cost, parent, closed, left = search.cost, search.parent, search.closed, search.left
+    first, entries, order = search.first, search.entries, search.order
+    used, waiting, current = search.used, search.waiting, search.current
+    expanded, relaxed, found, done = search.expanded, search.relaxed, search.found, False
     most = shape.most + len(tails)
     # a place more, for what is written before it is known to count
     cheaper = np.empty(2 * most + 2, np.int32)
@@ -216,7 +215,7 @@ def _expand(problem: Problem, slack: float, arrays: _Arrays, progress: _Progress
             waiting += 1
         if node == start and count > 0:
             current = lowest
-    return _Progress(used, waiting, current, expanded, relaxed, found, done)
+    return used, waiting, current, expanded, relaxed, found, done
 
 
 @compiled(example=EXAMPLE)
