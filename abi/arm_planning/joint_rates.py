@@ -17,8 +17,9 @@ from abi.robot.any_arm import AnyArm
 class JointRates(ShortRepr):
     """Speeds, accelerations and torques of the n joints at the m samples of a motion.
 
-    They are differences of the samples, which begin and end at rest: of a bend that the tool passes
-    in less than two of them they show only part of the acceleration.
+    They are differences of the samples, and but for the paper's arm those at the ends are from rest
+    and to it: of a bend that the tool passes in less than two of them they show only part of the
+    acceleration.
 
     Attributes:
         speeds: shape (m, n), [rad/s] or [unit/s].
@@ -57,7 +58,9 @@ def joint_rates(arm: AnyArm, motion: ArmMotion, acceleration: float) -> JointRat
         speeds, growths = motion.rates
     elif step > 0:
         speeds = np.gradient(motion.positions, step, axis=0)
-        growths = _from_rest(motion.positions, step)
+        # the drives of the paper's arm are pushed until the end, where they do not rest
+        rests = not arm.has_nominal_rates
+        growths = (_from_rest if rests else second_derivatives)(motion.positions, step)
     else:
         speeds = growths = np.zeros_like(motion.positions)
     torques = arm.torques(motion.positions, speeds, growths)

@@ -25,7 +25,14 @@ def relative_poses(
 def placed_beside(
     chain: Chain, first: str | None, second: str, poses: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """The same as :func:`relative_poses`, where joints have poses (k, m + 1, 3, 4), world."""
+    """Rotations and origins of a link in another one's frame, or the world's where that is None.
+
+    Args:
+        chain: the robot's chain.
+        first: the other link.
+        second: the link.
+        poses: of the joints, (k, m + 1, 3, 4), world.
+    """
     turns, origins = _placed(chain, second, poses)
     if first is None:
         return turns, origins
