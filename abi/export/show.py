@@ -7,10 +7,8 @@ import sys
 import tempfile
 import warnings
 import webbrowser
-from dataclasses import dataclass
 from pathlib import Path
 
-from abi.arrays import ShortRepr
 from abi.browser import missing_browser
 from abi.export import html_page
 from abi.planner.own_search import OwnSearch, plan_with
@@ -20,25 +18,7 @@ HEIGHT = 560
 """Height of the frame in a notebook, [px]."""
 
 
-@dataclass(frozen=True, repr=False)
-class ShownPlan(ShortRepr):
-    """The page of a plan, which a notebook draws as a cell's value.
-
-    Attributes:
-        page: the whole HTML file.
-    """
-
-    page: str
-
-    def _repr_html_(self) -> str:
-        """The page in a frame of its own, whose script cannot reach the notebook's."""
-        return (
-            f'<iframe srcdoc="{html.escape(self.page)}" sandbox="allow-scripts" '
-            f'style="width:100%;height:{HEIGHT}px;border:0"></iframe>'
-        )
-
-
-def show(plan: Plan, search: OwnSearch | None = None) -> ShownPlan:
+def show(plan: Plan, search: OwnSearch | None = None) -> object:
     """Show a plan: in a notebook as the cell's value, elsewhere in a browser tab.
 
     The page is that of ``abi export --to plan.html`` and plays without a server.
@@ -50,7 +30,8 @@ def show(plan: Plan, search: OwnSearch | None = None) -> ShownPlan:
             for its path, for the tool alone, and the page has its steps.
 
     Returns:
-        An object with the HTML text in ``page``, which a notebook draws.
+        In a notebook the page in a frame, as IPython draws it; its script cannot reach the
+        notebook's. Elsewhere None.
 
     Raises:
         AbiError: no plan, or one without a mesh.
@@ -60,12 +41,15 @@ def show(plan: Plan, search: OwnSearch | None = None) -> ShownPlan:
     if search is not None:
         plan = plan_with(plan.scene, search)
     page = html_page.write(plan, "plan.html").decode()
-    if "ipykernel" not in sys.modules:
-        folder = Path(tempfile.mkdtemp(prefix="abi-"))
-        file = folder / "plan.html"
-        file.write_text(page, encoding="utf-8")
-        if reason := missing_browser():
-            warnings.warn(f"{reason} Open {file} in one that runs WebGL.", stacklevel=2)
-        else:
-            webbrowser.open(file.as_uri())
-    return ShownPlan(page)
+    if "ipykernel" in sys.modules:
+        from IPython.display import IFrame  # only there it is sure to be installed
+
+        extras = ['sandbox="allow-scripts"', f'srcdoc="{html.escape(page)}"']
+        return IFrame("about:blank", "100%", HEIGHT, extras=extras)
+    file = Path(tempfile.mkdtemp(prefix="abi-")) / "plan.html"
+    file.write_text(page, encoding="utf-8")
+    if reason := missing_browser():
+        warnings.warn(f"{reason} Open {file} in one that runs WebGL.", stacklevel=2)
+    else:
+        webbrowser.open(file.as_uri())
+    return None
