@@ -10,7 +10,7 @@ T = TypeVar("T")
 
 THOROUGH = os.environ.get("ABI_THOROUGH") == "1"
 """What ``make thorough`` sets: properties try ten times as many examples, laws all cases."""
-EXAMPLES = 1000 if THOROUGH else 50
+EXAMPLES = 1000 if THOROUGH else 40
 """Examples of a property that asks for no number of its own."""
 
 

@@ -42,7 +42,7 @@ FLAGS = (
 )
 PATIENCE = 60.0  # [s]; the first frames in software GL compile shaders for seconds
 _FIRST_PAUSE, _LONGEST_PAUSE = 20.0, 150.0  # [ms] between two looks
-_CLICKS = 3
+_CLICKS = 12
 # Pixels of the scene for one of the page: few, since each takes time. Fixed, since viser otherwise
 # resizes the canvas when drawing is slow.
 _RATIO = 0.05

@@ -21,7 +21,7 @@ from abi.errors import ArgumentError
 from abi.teach.student_process import Limits, run
 
 pytestmark = pytest.mark.slow
-_SHORT = Limits(seconds=2.0, patience=600.0)
+_SHORT = Limits(seconds=1.0, patience=600.0)
 """By the clock, that takes a busy machine minutes."""
 _IMPATIENT = Limits(patience=4.0)
 
