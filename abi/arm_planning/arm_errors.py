@@ -26,6 +26,14 @@ def beyond_reach(
     return f"is out of reach by {format_length(abs(shortfall))}{near}{at_limit}"
 
 
+def past_limit(joint: str, value: float, limit: float, slides: bool) -> str:
+    """Clause on a joint that a motion takes past its limit, [rad] or [unit]."""
+    far, most = (
+        format_length(one) if slides else f"{math.degrees(one):.0f}°" for one in (value, limit)
+    )
+    return f"{joint} goes to {far} on it, past its limit of {most}"
+
+
 def beyond_limit(joint: str, part: str, angle: float, limit: float, room: float) -> str:
     """Predicate of a sentence on an arm of which a joint would have to turn too far.
 
@@ -100,7 +108,8 @@ class ArmNotClear(StageError):
         obstacle: index of what it touches, from 0, or its name; None if out of reach.
         sentences: message to use instead of the one that follows from the other arguments.
         has_elbow: whether the branches are the two sides of an elbow.
-        why: clause on why start or goal cannot be taken, with joint, limit or distance.
+        why: clause on why start or goal cannot be taken, with joint, limit or distance; for
+            ``curve`` on what else is wrong where the arm is proven clear along one.
 
     Attributes:
         explain: makes the error that tells what the link itself does, which takes a while; None
@@ -124,6 +133,8 @@ class ArmNotClear(StageError):
             "curve": f"{branch}, the arm is clear along a path, but it is not proven "
             "clear along any curve found near it.",
         }.get(where)
+        if where == "curve" and why:
+            message = f"{branch}, the arm is proven clear along a curve, but {why}."
         if message is None:
             fault = f"the arm cannot reach the {where} within its joint limits"
             if obstacle is not None:
@@ -131,18 +142,21 @@ class ArmNotClear(StageError):
                 fault = touching(link, obstacle, None, at=f" at the {where}", exact=has_elbow)
             message = f"{branch}, {why or fault}."
         other = "let the elbow be auto" if has_elbow else "leave the direction of the gripper free"
+        way_out = f"Move an obstacle or the arm's base, or {other}."
+        if where == "curve" and why:
+            way_out = "Let it move faster, which takes less time, or set smaller arm.forces."
         super().__init__(
             "arm",
             "arm_not_clear",
             sentences or message,
-            "The plan shown is for the tool tip alone. Move an obstacle or the arm's base, or "
-            f"{other}.",
+            f"The plan shown is for the tool tip alone. {way_out}",
         )
         self.branch = branch
         self.where = where
         self.link = link
         self.obstacle = obstacle
         self.has_elbow = has_elbow
+        self.why = why
 
     @classmethod
     def of_all(
@@ -168,17 +182,22 @@ class ArmNotClear(StageError):
                 ways = "one other way" if len(others) == 1 else f"{len(others)} other ways"
                 tried += f", and held in {ways}"
             text = " ".join(filter(None, (f"{tried}." if tried else "", first._sentences[0], note)))
-        return cls(first.branch, first.where, first.link, first.obstacle, text, first.has_elbow)
+        return first._saying(text)
 
     def nor_in_joints(self, fault: NoJointMotion) -> ArmNotClear:
         """A copy whose text adds why there is no motion in joint space either."""
         text = " ".join(self._sentences[:1] + fault._sentences[:1])
-        return ArmNotClear(self.branch, self.where, self.link, self.obstacle, text, self.has_elbow)
+        return self._saying(text)
 
     def along_tool(self, touched: str) -> ArmNotClear:
         """A copy whose text adds what the arm touches along the curve of the tool alone."""
         text = f"{self._sentences[0]} Along the curve of the tool tip alone {touched}."
-        return ArmNotClear(self.branch, self.where, self.link, self.obstacle, text, self.has_elbow)
+        return self._saying(text)
+
+    def _saying(self, text: str) -> ArmNotClear:
+        """A copy with another text."""
+        place = self.branch, self.where, self.link, self.obstacle
+        return ArmNotClear(*place, text, self.has_elbow, self.why)
 
 
 class NoJointMotion(StageError):

@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
-from abi.arm_planning.arm_errors import ArmNotClear, touching
+from abi.arm_planning.arm_errors import ArmNotClear, past_limit, touching
 from abi.arm_planning.branch.arm_branch import ArmBranch
 from abi.arm_planning.branch.arm_path import REFINEMENTS, fit_clear, pull_clear, search_clear
 from abi.arm_planning.branch.branch_memory import BranchMemory
@@ -186,7 +186,12 @@ class WholeArmBranch(Branch):
         clearance = joint_path.clearance(motion, self.collision_world, scene.arm.clearance)
         moved = replace(self.plan, profile=profile, motion=motion, arm_clearance=clearance)
         if not moved.is_arm_clear:
-            raise self._not_clear("curve")
+            why = ""
+            if clearance.certified and motion.limit_violations:
+                passed = motion.limit_violations[0]
+                slides = motion.slides[motion.joints.index(passed.joint)]
+                why = past_limit(passed.joint, passed.value, passed.limit, slides)
+            raise self._not_clear("curve", why)
         return moved
 
     def _is_clear_along(self, curve: Quadratic) -> bool:
@@ -228,8 +233,9 @@ class WholeArmBranch(Branch):
             return ArmNotClear(branch, end, has_elbow=arm.has_elbow, why=why)
         return ArmNotClear(branch, end, link, obstacle, has_elbow=arm.has_elbow)
 
-    def _not_clear(self, where: str) -> ArmNotClear:
-        return ArmNotClear(self.arm_branch.name, where, has_elbow=self.problem.model.arm.has_elbow)
+    def _not_clear(self, where: str, why: str = "") -> ArmNotClear:
+        has_elbow = self.problem.model.arm.has_elbow
+        return ArmNotClear(self.arm_branch.name, where, has_elbow=has_elbow, why=why)
 
 
 def _named(fault: Refutation, arm: AnyArm) -> tuple[str, int | str | None]:

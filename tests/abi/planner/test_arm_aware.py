@@ -306,3 +306,13 @@ def test_a_joint_within_its_limit_is_said_to_need_more_room() -> None:
     )
     past = beyond_limit("q2", "shoulder", angle=2.01, limit=2.0, room=math.radians(1.5))
     assert "past its limit" in past
+
+
+def test_a_clear_arm_that_forces_take_past_a_limit_is_told_of_the_limit() -> None:
+    scene = load_scene("drag-a-box")
+    found = plan(scene.replace(arm={"forces": [20.0, 0.0, 0.0]}))
+    assert found.error is not None
+    assert "the arm is proven clear along a curve, but q4 goes to" in found.error.message
+    assert "past its limit of 360°." in found.error.message
+    assert "smaller arm.forces" in found.error.hint
+    assert plan(scene.replace(arm={"forces": [0.5, 0.0, 0.0]})).error is None

@@ -107,7 +107,7 @@ def test_a_tab_asks_and_its_memory_brings_the_question_back() -> None:
         fake.set(panel.look, True)
         shown = asked.scene
         assert shown is not None
-        until(lambda: session.scene.obstacles == shown.obstacles)
+        until(lambda: session.scene.obstacles == shown.obstacles and panel.back.visible)
         kept = session.state()
         assert decoded(kept.practice) == panel.practice
         fake.set(panel.back, True)
