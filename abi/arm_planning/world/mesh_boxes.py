@@ -53,9 +53,8 @@ def boxes_of(surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray, IntA
         return (low + high) / 2, (high - low) / 2, upright, inside
     inside[inner:, 0], inside[inner:, 1] = tree.leaves[:-1] + nodes, tree.leaves[1:] + nodes
     corners = tree.corners.reshape(-1, 3, 3)
-    # along the longest side, which gives the smallest box
     sides = np.roll(corners, -1, axis=1) - corners
-    begin = np.linalg.norm(sides, axis=2).argmax(axis=1)
+    begin = _side_of_smallest(sides)
     rows = np.arange(len(corners))
     first, second = sides[rows, begin], sides[rows, (begin + 1) % 3]
     # any orthonormal axes do: those of a triangle with no width are whatever comes out
@@ -72,6 +71,24 @@ def boxes_of(surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray, IntA
         np.concatenate([upright, axes]),
         np.concatenate([inside, np.zeros((len(corners), 2), dtype=np.int32)]),
     )
+
+
+def _side_of_smallest(sides: FloatArray) -> IntArray:
+    """Number of the side (n,) of each triangle along which the smallest flat box lies.
+
+    Without an obtuse angle the boxes along all sides are as large; then the shortest around is, so
+    that both halves of a rectangle are in that rectangle. ``sides`` are (n, 3, 3), one after the
+    other.
+    """
+    lengths = np.linalg.norm(sides, axis=2)
+    squares = np.maximum(lengths**2, np.finfo(float).tiny)
+    # where along a side the corner off it lies, over the side's length
+    off = 1 + np.einsum("nki,nki->nk", np.roll(sides, -1, axis=1), sides) / squares
+    along = lengths * (np.maximum(off, 1) - np.minimum(off, 0))
+    across = np.linalg.norm(np.cross(sides[:, :1], sides[:, 1:2]), axis=2) / np.sqrt(squares)
+    areas, around = along * across, along + across
+    least = areas.min(axis=1, keepdims=True)
+    return np.asarray(np.where(areas <= least * (1 + 1e-9), around, np.inf).argmin(axis=1))
 
 
 def _united(outer: np.ufunc, corners: FloatArray, leaves: IntArray, inner: int) -> FloatArray:

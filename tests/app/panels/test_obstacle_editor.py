@@ -195,8 +195,9 @@ def test_an_obstacle_that_is_refused_stays_and_all_others_follow(
     until(lambda: session.resting and obstacles.chosen == 0)
     before = session.frame.plan.scene.obstacles
     fake.set(editor.sizes.size, (2.0, -1.0, 2.0))
-    until(lambda: session.frame.refused is not None)
-    message = session.panels.layout.overlay.shown["message"]
+    shown = session.panels.layout.overlay.shown
+    until(lambda: "must be above 0" in shown["message"])
+    message = shown["message"]
     assert "The size of obstacle 1 must be above 0; it is −1." in message
     assert "Still using 2; other changes take effect." in message
     assert session.frame.plan.scene.obstacles == before
