@@ -47,7 +47,7 @@ def pytest_collection() -> Generator[None, object, object]:
         return (yield)
     finally:
         gc.freeze()
-        # ten times as seldom as usual: nearly all that tests make is gone with its last name
+        # far more seldom than usual: nearly all that tests make is gone with its last name
         gc.set_threshold(50_000, 20, 100)
         gc.enable()
 
